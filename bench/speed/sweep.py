@@ -23,6 +23,8 @@ from sjdsl.runtime.env import Environment
 # Of the game's own value: narrow enough that the `require`s of most games still hold.
 FACTORS = (0.75, 1.25)
 
+APART = 3  # so many of the programs with a constant are compiled and measured
+
 
 @dataclass(frozen=True)
 class Sweep:
@@ -56,7 +58,6 @@ def measure_sweep(
     num_envs: int,
     repeats: int = 5,
     num_steps: int | None = None,
-    apart: int = 3,
     tell: Callable[[str], object] = lambda _: None,
 ) -> Sweep:
     """Returns the cost of a sweep in one compilation and in many.
@@ -68,7 +69,6 @@ def measure_sweep(
       num_envs: environments of each value.
       repeats, num_steps: rounds, and steps of one timing (by default `steps_for` the number of
         environments of a program).
-      apart: how many of the programs with a constant are compiled and measured.
       tell: called with a line at the start of each compilation and round.
     """
     env = task.env
@@ -83,7 +83,7 @@ def measure_sweep(
     stacked = jax.tree.map(lambda *leaves: jnp.repeat(jnp.stack(leaves), num_envs, axis=0), *values)
     together, together_s = compile_timed(make_sweep_loop(env, all_envs, all_steps), stacked)
     # A program for each of some values, which is a constant in it.
-    indices = np.linspace(0, num_values - 1, min(apart, num_values)).round().astype(int)
+    indices = np.linspace(0, num_values - 1, min(APART, num_values)).round().astype(int)
     programs = []
     apart_compile_s = []
     for number, index in enumerate(indices, start=1):

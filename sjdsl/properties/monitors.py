@@ -16,7 +16,6 @@ REAL = 1e-6  # reals closer than this, relative, are equal
 DRIFT = 1e-4  # rounding error allowed in sums of reals over an episode, relative
 CONFIDENCE = 0.95
 FLOATS = -1  # stands for the index of a check that every real stays inside float32
-STATES = ("always", "once", "conserved", "monotone")  # checks about the states of a trajectory
 
 
 @dataclass(frozen=True)

@@ -466,6 +466,7 @@ class Program:
                     numbers = self._kind_of_place[numbers]
                 parts.append(_counts(_clipped(numbers)))
         parts = [part.reshape(-1).astype(jnp.int32) for part in parts]
+        # Each number times a factor of its own, mixed, and all added up.
         numbers = jnp.concatenate(parts).astype(jnp.uint32)
         factors = np.random.default_rng(0).integers(0, 2**32, numbers.size, np.uint32)
         mixed = (numbers + np.uint32(COUNTED)) * (factors | np.uint32(1))  # odd, to lose no bits

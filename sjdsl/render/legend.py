@@ -74,12 +74,6 @@ def legend_entries(look: Look, shown: Sequence[Snapshot] | None = None) -> list[
     return list(entries.values())
 
 
-def cell_entries(look: Look) -> Iterator[tuple[Drawing, str]]:
-    """Yields the kinds, what their looks say, and the fields that are drawn without a look."""
-    for kind in look.kinds:
-        yield from _entries_of(kind, None)
-
-
 def _entries_of(kind: KindLook, shown: Sequence[Snapshot] | None) -> list[tuple[Drawing, str]]:
     """Returns the drawings of a kind that occur in the moments shown; one text names the kind."""
     states: set[tuple[Key, bool]] = set()

@@ -145,6 +145,8 @@ def first_moves(
       whether the agent is at a goal already, whether a path leads to one (both `[N]` bool), and the
       index of its first move in `moves.actions`, `[N]` int32; of equally good moves the first.
     """
+    # Backwards from the goals: what is reached after each move more is what one move leads into. An
+    # agent's first move is one that led into what was reached when its own place first was.
     heading, row, col = agents
     planes = goals.shape[1]
     num_boards = max(goals.shape[0], enterable.shape[0])

@@ -217,6 +217,7 @@ def _hashed_form(kind: type[ir.Node | ir.Type]) -> tuple[str, tuple[tuple[str, s
     Of each: its name in the hash, where to find it, and the default that is left out.
     """
     tag, *names = HASHED[kind].split()
+    # `name=field`, or `name` alone, which is then also the field's
     pairs = [(name.partition("=")[0], name.rpartition("=")[2]) for name in names]
     return tag, tuple((name, field, _default(kind, field)) for name, field in pairs)
 
