@@ -25,19 +25,19 @@ def function_lines(function: Function) -> list[str]:
     return lines
 
 
-def statement_lines(statement: Statement, comment: str = "") -> list[str]:
+def statement_lines(statement: Statement, comment: str = "", indent: int = INDENT) -> list[str]:
     """Returns the lines of a statement, with a comment."""
     match statement:
         case Assign(names=names, value=value):
-            return assignment(f"{', '.join(names)} = ", pieces(value), comment, INDENT)
+            return assignment(f"{', '.join(names)} = ", pieces(value), comment, indent)
         case Return(values=(value,)):
-            return assignment("return ", pieces(value), comment, INDENT)
+            return assignment("return ", pieces(value), comment, indent)
         case Return(values=values):
             several = tuple(map(pieces, values))
             on_one_line = "return " + ", ".join(map(flat, several))
-            if INDENT + len(on_one_line) <= WIDTH:
-                return [" " * INDENT + on_one_line]
-            return assignment("return ", Chain((Bracketed("(", several, ")"),)), "", INDENT)
+            if indent + len(on_one_line) <= WIDTH:
+                return [" " * indent + on_one_line]
+            return assignment("return ", Chain((Bracketed("(", several, ")"),)), "", indent)
 
 
 def assignment(head: str, value: Piece, comment: str, indent: int = 0) -> list[str]:
