@@ -375,6 +375,7 @@ def line_of_kernel(kernel: Kernel) -> str:
 
 
 def line_of(row: Row) -> str:
+    """Returns a row in words."""
     return (
         f"{row.of} {row.name} {row.observation}, {row.envs} envs, {row.gpu}: {row.kernels} kernels, {row.waits} wait, {row.bytes / 1e3:.1f} kB "
         f"({row.bytes / row.least_bytes:.1f} times the least), {row.operations / 1e3:.0f}k operations, {millions(row)} M steps/s, "

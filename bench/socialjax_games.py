@@ -79,7 +79,8 @@ class Bridge:
         self.suite = suite_game(checkout, self.original, num_agents=self.agents, **arguments)
         self.ours = sjdsl.make(self.name, variant="socialjax", num_agents=self.agents)
         self.module = self.ours.module
-        step, reset = self.suite.step_env.__wrapped__, self.suite.reset.__wrapped__
+        step = self.suite.step_env.__wrapped__
+        reset = self.suite.reset.__wrapped__
         self.inner = {**closure(step), **closure(reset)}
         self.see: Callable[[Any], Array] = self.inner["_get_obs"]
         moves = [*MOVES, *range(len(MOVES), self.ours.num_actions)]
@@ -287,7 +288,8 @@ class Harvest(Bridge):
 
     def differences(self, before: Any, actions: Array, after: Any, ours: Any) -> Figures:
         """Adds the differences of the marks."""
-        floor, gates = self.cells(".Q"), self.cells("P")
+        floor = self.cells(".Q")
+        gates = self.cells("P")
         marked = after.grid == 2
         floor_differs = jnp.any(marked[floor] != ours.floor_marked)
         differ = floor_differs | jnp.any(marked[gates] != ours.gate_marked)

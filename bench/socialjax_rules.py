@@ -81,7 +81,8 @@ def print_heading(one: str, other: str) -> None:
 def print_rows(first: str, one: Figures, other: Figures) -> None:
     """Prints the means of two sets of episodes with their 95 % intervals, and the differences; figures are `[E]`."""
     for figure in one:
-        values, other_values = one[figure].tolist(), other[figure].tolist()
+        values = one[figure].tolist()
+        other_values = other[figure].tolist()
         difference = statistics.fmean(other_values) - statistics.fmean(values)
         width = math.hypot(half_width(values), half_width(other_values))
         means = f"{mean_text(values)} | {mean_text(other_values)}"

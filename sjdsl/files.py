@@ -61,7 +61,7 @@ def write_whole(path: Path, content: bytes | str) -> None:
         file.write(content.encode() if isinstance(content, str) else content)
 
 
-def open_in_place(path: Path, mode: Literal["a", "a+", "r+"], newline: str | None = None) -> TextIO:
+def open_in_place(path: Path, mode: Literal["a", "a+", "r+"]) -> TextIO:
     """Opens a text file in UTF-8 to change it in place.
 
     Raises:
@@ -72,7 +72,6 @@ def open_in_place(path: Path, mode: Literal["a", "a+", "r+"], newline: str | Non
             path,
             mode,
             encoding="utf-8",
-            newline=newline,
             opener=lambda name, flags: _create(name, flags, None),
         )
     except OSError as error:
@@ -117,23 +116,24 @@ def open_regular(path: Path) -> Iterator[BinaryIO]:
         yield file
 
 
-def read_lines(path: Path, limit: int = LONGEST_LINE) -> Iterator[bytes]:
+def read_lines(path: Path) -> Iterator[bytes]:
     """Yields the lines of a file with their ends; a last line without an end is left out.
 
     Raises:
-      OSError: it isn't a regular file, or has a line of more than `limit` bytes.
+      OSError: it isn't a regular file, or has a line of more than `LONGEST_LINE` bytes.
     """
     with open_regular(path) as file:
-        while line := file.readline(limit + 1):
-            if len(line) > limit:
-                raise OSError(errno.EFBIG, f"it has a line of more than {limit:,} bytes", str(path))
+        while line := file.readline(LONGEST_LINE + 1):
+            if len(line) > LONGEST_LINE:
+                problem = f"it has a line of more than {LONGEST_LINE:,} bytes"
+                raise OSError(errno.EFBIG, problem, str(path))
             if line.endswith(b"\n"):
                 yield line
 
 
-def read_json(path: Path, limit: int = LARGEST_JSON) -> Any:
+def read_json(path: Path) -> Any:
     """Returns the value of a JSON file; raises the errors of `read_bytes` and `parse_json`."""
-    return parse_json(read_bytes(path, limit))
+    return parse_json(read_bytes(path, LARGEST_JSON))
 
 
 def parse_json(content: bytes) -> Any:

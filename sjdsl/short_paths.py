@@ -1,7 +1,6 @@
 """Names paths by the parts in which they differ."""
 
 from collections.abc import Iterable, Sequence
-from itertools import takewhile
 from pathlib import Path
 
 
@@ -27,6 +26,8 @@ def _num_shared_at_end(paths: Sequence[tuple[str, ...]]) -> int:
     """Returns how many last parts all paths share, at most all but one of a path."""
     if len(paths) < 2:
         return 0
-    columns = zip(*(path[::-1] for path in paths), strict=False)
-    num_shared = sum(1 for _ in takewhile(lambda parts: len({*parts}) == 1, columns))
-    return min(num_shared, *(len(path) - 1 for path in paths))
+    most = min(map(len, paths)) - 1
+    for number in range(most, 0, -1):
+        if len({path[-number:] for path in paths}) == 1:
+            return number
+    return 0

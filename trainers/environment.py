@@ -100,10 +100,10 @@ def reset_shapes(env: Environment) -> tuple[Any, Any]:
 def info_shapes(env: Environment) -> dict[str, Any]:
     """Returns the shapes and dtypes of a step's info."""
     actions = array_shape((env.num_agents,), jnp.int32)
-    result: dict[str, Any] = jax.eval_shape(
-        env.step, abstract_key(), reset_shapes(env)[1], actions
-    )[-1]
-    return result
+    _, state = reset_shapes(env)
+    info: dict[str, Any]
+    _, _, _, _, info = jax.eval_shape(env.step, abstract_key(), state, actions)
+    return info
 
 
 def trial_ended(info: Mapping[str, Any]) -> Array:

@@ -27,7 +27,8 @@ from sjdsl.results.page import ENDINGS, FIGURES, Section, body_text, draw_pictur
 from sjdsl.results.refusals import ResultsWarning
 from sjdsl.results.sections import cross_play, learning_curves
 
-DATA, PAGE = Path("docs/results/data"), Path("docs/results.md")
+DATA = Path("docs/results/data")
+PAGE = Path("docs/results.md")
 RETURN = "return, summed over agents"  # the name of a figure in docs/games.json
 
 

@@ -25,30 +25,29 @@ def chosen_ratio(means: Mapping[float, float]) -> float | None:
 
 
 def choice_frequencies(
-    samples: Mapping[float, Sequence[float]], resamples: int = RESAMPLES, seed: int = SEED
+    samples: Mapping[float, Sequence[float]],
 ) -> dict[float | None, float]:
     """Returns how often each ratio is chosen where the seeds of each ratio are drawn again, with
     replacement.
 
     Args:
       samples: the returns of the seeds of each ratio, one at least each.
-      resamples: how often.
-      seed: of the draws.
     Returns:
       a frequency for each ratio, and for None: no ratio. They add up to 1.
     """
     ratios = sorted(samples)
-    draw = np.random.default_rng(seed)
+    draw = np.random.default_rng(SEED)
     means = []
     for ratio in ratios:
         values = np.asarray(samples[ratio], np.float64)
-        means.append(values[draw.integers(len(values), size=(resamples, len(values)))].mean(axis=1))
+        drawn = draw.integers(len(values), size=(RESAMPLES, len(values)))
+        means.append(values[drawn].mean(axis=1))
     table = np.stack(means)  # [ratios, resamples]
     best = table.max(axis=0)
     first = (table >= SHARE * best).argmax(axis=0)
     chosen = np.where(best > 0, first, len(ratios))  # one past the last ratio: none
     counts = np.bincount(chosen, minlength=len(ratios) + 1)
     return {
-        ratio: float(count / resamples)
+        ratio: float(count / RESAMPLES)
         for ratio, count in zip([*ratios, None], counts, strict=True)
     }

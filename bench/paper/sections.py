@@ -50,7 +50,10 @@ from sjdsl.results.statistics import compare
 
 TRAINED = "training seed"  # the sampling unit of diagrams of trained pools
 OF_COMMON = ("common_reward",)  # a setting that only common reward uses
-HOLDS, FAILS, UNDECIDED, UNKNOWN = "holds", "does not hold", "undecided", "not run"
+HOLDS = "holds"
+FAILS = "does not hold"
+UNDECIDED = "undecided"
+UNKNOWN = "not run"
 SIGNIFICANT = 0.05  # p below which a difference counts
 EQUAL = 0.1  # share of the return: a smaller difference, at 95 %, counts as none
 WEIGHTS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)  # of SVO
@@ -148,7 +151,8 @@ def _order(
     paper claims it, and verdicts by game."""
     signs: dict[str, int] = {}  # 1 if the paper claims it of a game, -1 if it claims the opposite
     for name in suite:
-        first, second = more.theirs(name), less.theirs(name)
+        first = more.theirs(name)
+        second = less.theirs(name)
         if first is None or second is None:
             continue
         margin = (first.deviation or 0) + (second.deviation or 0)
@@ -258,7 +262,8 @@ def own_and_common(games: Sequence[Game], frame: pd.DataFrame) -> Section:
     random = {(row.game, row.hash): row for row in of_record(frame, "random")}
     lines: list[tuple[tuple[str, ...], Result | None, Result | None]] = []
     for game in games:
-        own, common = game.result(INDIVIDUAL), game.result(COMMON)
+        own = game.result(INDIVIDUAL)
+        common = game.result(COMMON)
         if own is None and common is None and not game.published:
             continue
         row = None

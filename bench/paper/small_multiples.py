@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLUMNS = 3
-WIDTH, HEIGHT = 4.2, 2.8  # inches of a plot
+WIDTH = 4.2  # inches of a plot
+HEIGHT = 2.8
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class Series:
     label: str = "ours"
 
     @classmethod
-    def of(cls, figures: Iterable[tuple[float, Estimate]], label: str = "ours") -> "Series":
+    def of(cls, figures: Iterable[tuple[float, Estimate]]) -> "Series":
         """Returns the series of estimates over x."""
         pairs = list(figures)
         mean, low, high = stack_estimates(figure for _, figure in pairs)
@@ -49,7 +50,6 @@ class Series:
             mean=mean,
             low=np.where(np.isfinite(low), low, np.nan),
             high=np.where(np.isfinite(high), high, np.nan),
-            label=label,
         )
 
 
@@ -109,7 +109,8 @@ def _draw(axes: "Axes", plot: Multiple, colours: Mapping[str, str], logarithmic:
     """Draws one plot. colours: by the label of a series."""
     ends: list[float] = [y for _, y in plot.printed]
     for series in plot.series:
-        below, above = series.mean - series.low, series.high - series.mean
+        below = series.mean - series.low
+        above = series.high - series.mean
         known = np.isfinite(below) & np.isfinite(above)
         bars = np.stack([np.where(known, below, 0.0), np.where(known, above, 0.0)])
         axes.errorbar(

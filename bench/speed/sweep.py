@@ -4,6 +4,7 @@ for each value.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from statistics import harmonic_mean
 from typing import Any
 
 import jax
@@ -21,6 +22,8 @@ from sjdsl.runtime.env import Environment
 
 # Of the game's own value: narrow enough that the `require`s of most games still hold.
 FACTORS = (0.75, 1.25)
+
+APART = 3  # so many of the programs with a constant are compiled and measured
 
 
 @dataclass(frozen=True)
@@ -55,7 +58,6 @@ def measure_sweep(
     num_envs: int,
     repeats: int = 5,
     num_steps: int | None = None,
-    apart: int = 3,
     tell: Callable[[str], object] = lambda _: None,
 ) -> Sweep:
     """Returns the cost of a sweep in one compilation and in many.
@@ -67,7 +69,6 @@ def measure_sweep(
       num_envs: environments of each value.
       repeats, num_steps: rounds, and steps of one timing (by default `steps_for` the number of
         environments of a program).
-      apart: how many of the programs with a constant are compiled and measured.
       tell: called with a line at the start of each compilation and round.
     """
     env = task.env
@@ -77,10 +78,12 @@ def measure_sweep(
     all_envs = num_values * num_envs
     all_steps = num_steps or steps_for(all_envs)
     few_steps = num_steps or steps_for(num_envs)
+    # One program for all values, which are its arguments.
     tell(f"compiling one program for {num_values} values")
     stacked = jax.tree.map(lambda *leaves: jnp.repeat(jnp.stack(leaves), num_envs, axis=0), *values)
     together, together_s = compile_timed(make_sweep_loop(env, all_envs, all_steps), stacked)
-    indices = np.linspace(0, num_values - 1, min(apart, num_values)).round().astype(int)
+    # A program for each of some values, which is a constant in it.
+    indices = np.linspace(0, num_values - 1, min(APART, num_values)).round().astype(int)
     programs = []
     apart_compile_s = []
     for number, index in enumerate(indices, start=1):
@@ -88,6 +91,7 @@ def measure_sweep(
         program, seconds = compile_timed(_constant_loop(env, values[index], num_envs, few_steps))
         programs.append(program)
         apart_compile_s.append(seconds)
+    # The same in as many environments as all values have.
     tell("compiling one program for one value")
     constant_loop = _constant_loop(env, values[indices[0]], all_envs, all_steps)
     constant, constant_s = compile_timed(constant_loop)
@@ -100,11 +104,8 @@ def measure_sweep(
     together_rates, constant_rates, *rates_of_programs = race(
         loops, env_steps, repeats, lambda number: tell(f"round {number} of {repeats}")
     )
-    # All programs in turn: the harmonic mean of their rates in a round.
-    apart_rates = [
-        len(rates) / sum(1 / rate for rate in rates)
-        for rates in zip(*rates_of_programs, strict=True)
-    ]
+    # The programs ran in turn, so the rate of a round is the harmonic mean of theirs.
+    apart_rates = map(harmonic_mean, zip(*rates_of_programs, strict=True))
     return Sweep(
         machine=describe_machine(),
         name=task.name,

@@ -97,7 +97,8 @@ class Split:
         evaluating, at the speed of the median, the fastest and the slowest round."""
         updates = env_steps / (self.num_envs * self.num_steps)
         median = statistics.median(self.update)
-        fastest, slowest = min(self.update), max(self.update)
+        fastest = min(self.update)
+        slowest = max(self.update)
         return updates * median / 3600, updates * fastest / 3600, updates * slowest / 3600
 
 
@@ -194,7 +195,8 @@ def measure_split(setup: Setup, repeats: int) -> Split:
     """Returns the parts of one update, as a run computes it; all are timed in turn, round by
     round.
     """
-    env, config = setup.env, setup.config
+    env = setup.env
+    config = setup.config
     compiled = compile_train(make_train(env, config), config)
     idle = jax.jit(idle_rollout(env, config))
     state = compiled.start()
@@ -228,14 +230,18 @@ def measure_split(setup: Setup, repeats: int) -> Split:
 
         return run
 
-    parts = (
-        lambda _: learn(collect()),
-        lambda key: idle(worlds, key),
-        lambda _: collect(),
-        lambda _: learn(first_rollout),
+    parts: dict[str, Callable[[Array], Any]] = {
+        "update": lambda _: learn(collect()),
+        "environments": lambda key: idle(worlds, key),
+        "rollout": lambda _: collect(),
+        "learning": lambda _: learn(first_rollout),
+    }
+    rates = race(
+        list(map(repeated, parts.values())), [updates] * len(parts), repeats, lambda _: None
     )
-    rates = race(list(map(repeated, parts)), [updates] * len(parts), repeats, lambda _: None)
-    update_s, idle_s, collect_s, learn_s = (tuple(1 / rate for rate in rounds) for rounds in rates)
+    seconds = {
+        part: tuple(1 / rate for rate in rounds) for part, rounds in zip(parts, rates, strict=True)
+    }
     algorithm, sharing = setup.learning
     return Split(
         name=setup.name,
@@ -244,10 +250,10 @@ def measure_split(setup: Setup, repeats: int) -> Split:
         num_envs=config.num_envs,
         num_steps=config.num_steps,
         compile_s=compiled.seconds,
-        update=update_s,
-        environments=idle_s,
-        rollout=collect_s,
-        learning=learn_s,
+        update=seconds["update"],
+        environments=seconds["environments"],
+        rollout=seconds["rollout"],
+        learning=seconds["learning"],
         flops=flops,
         algorithm=algorithm,
         sharing=sharing,

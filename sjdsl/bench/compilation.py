@@ -31,10 +31,10 @@ class Compilation:
     operations: dict[str, int]
 
 
-def compile_step(env: Environment, name: str = "", repeats: int = REPEATS) -> Compilation:
+def compile_step(env: Environment, name: str = "") -> Compilation:
     """Returns the seconds to compile one step of a single environment (the median of some), and the
     size of the program."""
-    seconds = median(_seconds_to_compile(env) for _ in range(repeats))
+    seconds = median(_seconds_to_compile(env) for _ in range(REPEATS))
     text = lower_step(env).as_text()
     return Compilation(
         name or env.name,

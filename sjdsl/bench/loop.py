@@ -51,7 +51,8 @@ def game_task(env: Environment, name: str = "", crowd: int | None = None) -> Tas
         return state, reward, observation
 
     def reset() -> Any:
-        return env.reset(jax.random.key(0))[1]
+        _, state = env.reset(jax.random.key(0))
+        return state
 
     return Task(name or env.name, env.num_agents, env.num_actions, reset, step, env, crowd)
 

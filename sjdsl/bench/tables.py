@@ -103,9 +103,11 @@ def relation_table(report: Report) -> Table:
     """Returns how many times as long a step takes with one-hot observations, and with a crowd."""
     numbers = env_numbers(report)
     by_form = grouped(report.speeds)
-    crowds = {form: next(iter(speeds.values())).crowd for form, speeds in by_form.items()}
+    crowded = {
+        form for form, speeds in by_form.items() if any(speed.crowd for speed in speeds.values())
+    }
     # The forms with the game's own number of agents.
-    usual = {(form.name, form.observation): form for form, crowd in crowds.items() if crowd is None}
+    usual = {(form.name, form.observation): form for form in by_form if form not in crowded}
     rows = []
     for form, speeds in by_form.items():
         tokens = form._replace(observation="tokens")
@@ -113,7 +115,7 @@ def relation_table(report: Report) -> Table:
             label = f"{form.name}, {form.num_agents} agents: {form.observation} to tokens"
             rows.append((label, *_ratios(speeds, by_form[tokens], numbers)))
         fewer = usual.get((form.name.removesuffix("+crowd"), form.observation))
-        if crowds[form] is not None and fewer is not None:
+        if form in crowded and fewer is not None:
             agents = f"{form.num_agents} agents to {fewer.num_agents}"
             label = f"{fewer.name}, {form.observation}: {agents}"
             rows.append((label, *_ratios(speeds, by_form[fewer], numbers)))

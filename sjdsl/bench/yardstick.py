@@ -10,14 +10,20 @@ sorted. It has no resets, and uses threefry. As a fixed measure it is not change
 to be faster.
 """
 
+from itertools import product
+
 import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-NUM_AGENTS, NUM_ACTIONS = 7, 8
-HEIGHT, WIDTH, PAD = 16, 22, 10
-ROWS, COLS = HEIGHT + 2 * PAD, WIDTH + 2 * PAD
+NUM_AGENTS = 7
+NUM_ACTIONS = 8
+HEIGHT = 16  # of the map
+WIDTH = 22
+PAD = 10  # cells around the map, in the frame
+ROWS = HEIGHT + 2 * PAD  # of the frame
+COLS = WIDTH + 2 * PAD
 HEADINGS = np.array([[-1, 0], [0, 1], [1, 0], [0, -1]])
 PATCHES = ((2, 7), (2, 14), (7, 2), (7, 19))
 SPAWN_CELLS = (
@@ -30,12 +36,13 @@ State = tuple[Array, Array, Array]
 
 def _apple_cells() -> list[tuple[int, int]]:
     """Returns the cells of four diamonds and two corners, in reading order."""
-    cells = set()
-    for row, col in PATCHES:
-        around = ((r, c) for r in range(row - 2, row + 3) for c in range(col - 2, col + 3))
-        cells |= {(r, c) for r, c in around if abs(r - row) + abs(c - col) <= 2}
-    corner = [(r, c) for r in range(3) for c in range(3 - r)]
-    return sorted(cells | set(corner) | {(r, WIDTH - 1 - c) for r, c in corner})
+    cells = []
+    for row, col in product(range(HEIGHT), range(WIDTH)):
+        is_in_patch = any(abs(row - r) + abs(col - c) <= 2 for r, c in PATCHES)
+        is_in_corner = row + min(col, WIDTH - 1 - col) <= 2
+        if is_in_patch or is_in_corner:
+            cells.append((row, col))
+    return cells
 
 
 def _in_frame(cells: list[tuple[int, int]]) -> np.ndarray:
@@ -52,7 +59,8 @@ def _near(cells: list[tuple[int, int]]) -> np.ndarray:
 
 
 APPLES = _apple_cells()
-SITES, SPAWNS = jnp.asarray(_in_frame(APPLES)), jnp.asarray(_in_frame(SPAWN_CELLS))
+SITES = jnp.asarray(_in_frame(APPLES))
+SPAWNS = jnp.asarray(_in_frame(SPAWN_CELLS))
 OUTSIDE = jnp.asarray(
     np.pad(np.zeros((HEIGHT, WIDTH), np.uint8), PAD, constant_values=1).reshape(-1)
 )
@@ -103,9 +111,9 @@ def _move(position: Array, heading: Array, action: Array, key: Array) -> Array:
     target = jnp.where(moving, position + STEP[(heading + offset) & 3], position)
     target = jnp.where(OUTSIDE[target] > 0, position, target)
     # The lots: the agents' numbers in the low bits make them different.
-    order = jax.random.bits(key, (NUM_AGENTS,)) & jnp.uint32(0xFFFFFFF8) | jnp.arange(
-        NUM_AGENTS, dtype=jnp.uint32
-    )
+    drawn = jax.random.bits(key, (NUM_AGENTS,)) & jnp.uint32(0xFFFFFFF8)
+    order = drawn | jnp.arange(NUM_AGENTS, dtype=jnp.uint32)
+    # [7, 7]: whether an agent wants the cell of another, and whether both want the same cell
     into = (target[:, None] == position[None]) & NOT_SELF
     same = (target[:, None] == target[None]) & NOT_SELF
     moves = (target != position) & ~jnp.any(into & into.T, 1)
@@ -119,8 +127,9 @@ def _zap(position: Array, heading: Array, action: Array, key: Array) -> tuple[Ar
     """Returns the positions after those hit were sent to spawn cells, the cells of the beams, and
     who zapped.
     """
-    ahead, right = STEP[heading], STEP[(heading + 1) & 3]
-    beam = jnp.stack(
+    ahead = STEP[heading]
+    right = STEP[(heading + 1) & 3]
+    beam = jnp.stack(  # [7, 4]
         [
             position + ahead,
             position + 2 * ahead,
@@ -130,10 +139,9 @@ def _zap(position: Array, heading: Array, action: Array, key: Array) -> tuple[Ar
         1,
     )
     zap = action == 7
-    hit = jnp.any(
-        (beam[:, :, None] == position[None, None]) & zap[:, None, None] & NOT_SELF[:, None, :],
-        (0, 1),
-    )
+    # [7, 4, 7]: whether a cell of an agent's beam is the position of another
+    reaches = (beam[:, :, None] == position[None, None]) & NOT_SELF[:, None, :]
+    hit = jnp.any(reaches & zap[:, None, None], (0, 1))
     taken = jnp.any((SPAWNS[:, None] == position[None]) & ~hit[None], 1)
     rank = jnp.where(taken, jnp.uint32(0xFFFFFFFF), jax.random.bits(key, (len(SPAWN_CELLS),)) >> 1)
     homes = []

@@ -78,6 +78,7 @@ class Commands(click.Group):
         return [*COMMANDS]  # `list` here is the subcommand, once it is imported
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Returns a command, whose module is imported only now."""
         del ctx
         if cmd_name not in COMMANDS:
             return None
@@ -98,6 +99,7 @@ class Commands(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Names the nearest command for one that doesn't exist."""
         if args and args[0] not in COMMANDS and not args[0].startswith("-"):
             raise click.UsageError(
                 f"there is no command `{args[0]}`{meant(args[0], COMMANDS, 'the commands are')}"

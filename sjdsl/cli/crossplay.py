@@ -17,6 +17,7 @@ class SeveralPolicies(click.Command):
     """A command whose `--policies` takes all words up to the next option."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Lets `--policies` take several policies: it is repeated before each."""
         repeated: list[str] = []  # the arguments with `--policies` before each policy
         is_policy = False
         for argument in args:

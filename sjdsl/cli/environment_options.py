@@ -99,7 +99,8 @@ class EnvironmentOptions:
 
     def check(self, game: str) -> "ir.Game":
         """Returns the checked game; raises what `build` raises."""
-        return self.build(game)[0].game
+        build, _ = self.build(game)
+        return build.game
 
     def make(self, game: str) -> "Environment":
         """Returns the environment of a game that `check` accepts."""
@@ -131,6 +132,7 @@ def environment_options(command: Command) -> Command:
         problem: int | None,
         **others: Any,
     ) -> Any:
+        """Calls the command with the options in one object."""
         numbers = read_assignments(params)
         played = read_tasks(tasks)
         options = EnvironmentOptions(variant, map_file, agents, numbers, played, split, problem)

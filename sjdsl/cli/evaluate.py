@@ -189,6 +189,7 @@ def evaluate_run(
     options = options or EnvironmentOptions()
 
     def save(evaluation: "Evaluation", of_splits: Mapping[str, Any]) -> None:
+        """Stores an evaluation in the run, unless it holds a longer one of the same policy."""
         if _of_one_side(options):
             click.echo(f"{file} is of the tasks of the run, and stays as it is", err=True)
             return
@@ -245,6 +246,7 @@ def _evaluate_policy(
             return find_policy(policy, played, greedy)
 
     def save(evaluation: "Evaluation", of_splits: Mapping[str, Any]) -> None:
+        """Stores an evaluation where `--output` says."""
         if output is not None:
             about = {
                 "policy": policy,

@@ -99,6 +99,7 @@ def run_options(seeds: int | None = None) -> Callable[[Command], Command]:
             partners: tuple[str, ...],
             **others: Any,
         ) -> Any:
+            """Calls the command with what the options say of a run."""
             settings = {
                 name: others.pop(name)
                 for name in ("algorithm", "reward", "seed", "seeds", "init_from")

@@ -144,7 +144,8 @@ def _list_cells(cells: Sequence[Cell], folder: Path, episodes: int) -> None:
     states: Counter[str] = Counter()
     steps_left = 0
     for cell in cells:
-        first, last = cell.seeds[0], cell.seeds[-1]
+        first = cell.seeds[0]
+        last = cell.seeds[-1]
         seeds = f"seed {first}" if first == last else f"seeds {first} to {last}"
         progress = progress_of(folder, cell, episodes)
         steps = steps_of(cell)

@@ -51,7 +51,8 @@ def build(
 
 def build_composition(composition: Composition, overrides: Overrides | None = None) -> Build:
     """Returns the typed rules of a game that is put together. Raises CompileError with every problem of the failing stage."""
-    problems, overrides = Problems(), overrides or Overrides()
+    problems = Problems()
+    overrides = overrides or Overrides()
     game, declarations = elaborate(composition, overrides, problems)
     if game is not None:
         check_state_names(game, problems)
@@ -126,7 +127,9 @@ class _Rules:
     """A checked game, equal to others by its rules: where they are written makes no difference to whether they can be lowered."""
 
     def __init__(self, made: Build, source: Source) -> None:
-        self.made, self.source, self._digest = made, source, printed_digest(made.game)
+        self.made = made
+        self.source = source
+        self._digest = printed_digest(made.game)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, _Rules) and self._digest == other._digest

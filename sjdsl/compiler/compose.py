@@ -127,7 +127,8 @@ def compose(source: Source, variants: Sequence[str] = ()) -> Composition:
     what is not there, two variants that disagree.
     """
     game = _inherited(tuple(chain(source)))
-    game.file, game.chosen = source.name, tuple(variants)
+    game.file = source.name
+    game.chosen = tuple(variants)
     touched: dict[str, tuple[str, str]] = {}
     for name in variants:
         variant = game.variants.get(name)
@@ -178,7 +179,8 @@ def _inherited(files: Sequence[tuple[Source, ast.File]]) -> Composition:
     outermost = files[-1][1].game
     game = Composition(outermost.name.text, "", outermost.name.span)
     for source, file in reversed(files):
-        game.name, game.span = file.game.name.text, file.game.name.span
+        game.name = file.game.name.text
+        game.span = file.game.name.span
         if file.game.title is not None:
             game.title = file.game.title.text or game.title
         game.sources[source.name] = source
@@ -243,6 +245,7 @@ def named_entries(section: ast.Section | ast.Override | ast.Drop) -> list[tuple[
 
 
 def _check_duplicates(game: Composition, sections: Sections) -> None:
+    """Reports what one text declares twice."""
     seen: dict[str, Span] = {}
     for section in sections:
         for key, span, node in named_entries(section):
@@ -288,6 +291,7 @@ def _content(game: Composition, node: Node) -> str:
 
 
 def _apply(game: Composition, sections: Sections) -> None:
+    """Adds the sections of a text to a game; what a base has under the same names is replaced."""
     looks = [section for section in sections if isinstance(section, ast.Look)]
     for name in dict.fromkeys(look.what.text for look in looks):
         game.looks[name] = tuple(look for look in looks if look.what.text == name)
@@ -339,6 +343,7 @@ def _apply(game: Composition, sections: Sections) -> None:
 def _agent_key(
     attribute: ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid | ast.Blocks,
 ) -> str:
+    """Returns the name under which a variant replaces an attribute of agents."""
     match attribute:
         case ast.Acts():
             return "acts"
@@ -356,15 +361,16 @@ def _chosen_text(action: ast.Chosen) -> str:
     """Returns an action as it is spoken of, without layout; arguments other than names and numbers show as `..`."""
     if action.arguments is None:
         return action.name.text
-    arguments = (
-        path_text(a)
-        if isinstance(a, ast.Path)
-        else str(a.value)
-        if isinstance(a, ast.Int)
-        else ".."
-        for a in action.arguments
-    )
-    return f"{action.name.text}({', '.join(arguments)})"
+    texts = []
+    for argument in action.arguments:
+        match argument:
+            case ast.Path():
+                texts.append(path_text(argument))
+            case ast.Int():
+                texts.append(str(argument.value))
+            case _:
+                texts.append("..")
+    return f"{action.name.text}({', '.join(texts)})"
 
 
 def _observable_entries(observe: ast.Observe) -> list[tuple[str, ast.Window | ast.Show | ast.Hide]]:
@@ -386,6 +392,7 @@ def _observable_entries(observe: ast.Observe) -> list[tuple[str, ast.Window | as
 
 
 def _observable_key(observable: ast.Show | ast.Hide) -> str:
+    """Returns the name under which a variant replaces a `show` or `hide`."""
     on = (
         f" on {observable.on.text}"
         if isinstance(observable, ast.Hide) and observable.on is not None
@@ -413,6 +420,7 @@ def _replace_entry(
     change: ast.Override,
     by: ast.By | None = None,
 ) -> ast.Expr | ast.Table:
+    """Returns a constant's value with the entry replaced to which the steps lead."""
     if not steps:
         return change.value
     key: ast.Name | None = None  # the entry that is changed: a word, or a number
@@ -441,6 +449,7 @@ def _replace_entry(
 
 
 def _drop(game: Composition, name: ast.Name) -> None:
+    """Removes what a variant drops by name."""
     others: dict[str, Space | None] = {
         "agent_fields": "field",
         "observables": None,
@@ -483,8 +492,11 @@ def path_text(path: ast.Path) -> str:
 
 def _with_entry(value: ast.Expr | ast.Table, key: ast.Name, by: ast.By) -> ast.Expr | ast.Table:
     """Returns a table in which an entry stands by itself: one that `otherwise` or a single number for all stood for gets a line of its own."""
-    known = isinstance(by, ast.Words) and key.text in {name.text for name in by.names}
-    if not known and not (not isinstance(by, ast.Words) and key.text.isdigit()):
+    if isinstance(by, ast.Words):
+        is_entry = key.text in {name.text for name in by.names}
+    else:
+        is_entry = key.text.isdigit()
+    if not is_entry:
         return value
     rest = ast.Name(value.span, "otherwise")
     entries = (

@@ -42,6 +42,7 @@ def declared(action: ir.ActionWithArguments) -> str:
 
 
 def _argument(argument: ir.ActionArgument) -> str:
+    """Returns an argument of an action with its values: `target : agent`."""
     match argument.type.kind:
         case "word":
             values = f"{{ {', '.join(argument.type.words)} }}"

@@ -76,8 +76,8 @@ def _numbers(old: Written, new: Written) -> list[str]:
         if name in old_numbers and name in new_numbers:
             before = old_numbers[name]
             after = new_numbers[name]
-            old_entries = _entries(name, before.value, before.type.by)
-            new_entries = _entries(name, after.value, after.type.by)
+            old_entries = _entries(name, before.value, before.type.indexed_by)
+            new_entries = _entries(name, after.value, after.type.indexed_by)
             lines += _values(old_entries, new_entries, unit_of(after))
             lines += _values(_properties(before, old), _properties(after, new))
         else:
@@ -95,6 +95,7 @@ def _sizes_and_params(game: ir.Game) -> dict[str, ir.Size | ir.Param]:
 
 
 def _properties(constant: ir.Size | ir.Param, written: Written) -> dict[str, str]:
+    """Returns what is said of a size or param beside its value, by name."""
     is_size = isinstance(constant, ir.Size)
     return {
         f"{constant.name}, unit": unit_of(constant),
@@ -114,6 +115,7 @@ def _entries(name: str, value: Any, by: tuple[ir.Level, ...]) -> dict[str, Any]:
 
 
 def _map(old: ir.Game, new: ir.Game) -> list[str]:
+    """Returns the lines about maps that differ: size, cells of each kind, and how many are alike."""
     old_cells = _cells(old)
     new_cells = _cells(new)
     old_size = _map_size(old)

@@ -16,8 +16,9 @@ def parameters(w: Written) -> list[str]:
 
 
 def _row(declared: ir.Size | ir.Param, w: Written, when: str) -> tuple[str, ...]:
+    """Returns the line of a size or param in the table. when: it can be changed."""
     written = w.numbers[declared.name]
-    default = table_value(declared.value, declared.type.by)
+    default = table_value(declared.value, declared.type.indexed_by)
     for keys, text in written.formulas:
         default += f"; {' '.join([*map(code, keys), 'computed as'])} {code(text)}"
     return (

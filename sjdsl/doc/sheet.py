@@ -103,6 +103,7 @@ def _task(w: Written) -> list[str]:
 
 
 def _agents(w: Written) -> list[str]:
+    """Returns the part on agents: their number, their actions, and their declarations."""
     c = w.composition
     actions = table(("number", "action", "what it does"), action_rows(w.game))
     declarations = [*c.agent_fields.values(), *c.agent_blocks.values(), *c.forbids.values()]
@@ -128,6 +129,7 @@ def _kinds(w: Written) -> list[str]:
 
 
 def _map(game: ir.Game) -> list[str]:
+    """Returns the part on the map: its size and its rows."""
     rows = counted(len(game.rows), "row")
     cells = counted(len(game.rows[0]), "cell")
     size = f"{rows} of {cells}; the first row is north."
@@ -198,6 +200,7 @@ def observation(w: Written) -> list[str]:
 
 
 def _values(plane: TokenPlane) -> str:
+    """Returns what the numbers of a plane mean."""
     match plane.encoding:
         case "number":
             return f"0 to {plane.high}"
@@ -250,6 +253,7 @@ def metrics(w: Written) -> list[str]:
 
 
 def _metric(metric: ast.Event | ast.Measure, w: Written) -> tuple[str, ...]:
+    """Returns the line of an event or measure in the table of metrics."""
     name = metric.name
     text = w.composition.sources[metric.span.file].text
     expression = " ".join(text[name.span.end : metric.span.end].strip(" =\n").split())

@@ -50,9 +50,9 @@ def table_value(value: Any, by: Sequence[Level]) -> str:
     entries = [table_value(entry, by[1:]) for entry in value]
     if len(by) > 1:
         entries = [f"({entry})" for entry in entries]
-    if index.sort != "word" and len(set(entries)) == 1:
-        return f"{entries[0]} for each {'agent' if index.sort == 'agent' else f'of {index}'}"
-    names = map(code, index.names) if index.sort == "word" else index.names
+    if index.kind != "word" and len(set(entries)) == 1:
+        return f"{entries[0]} for each {'agent' if index.kind == 'agent' else f'of {index}'}"
+    names = map(code, index.names) if index.kind == "word" else index.names
     return ", ".join(f"{name}: {entry}" for name, entry in zip(names, entries, strict=True))
 
 
@@ -66,7 +66,7 @@ def fenced(lines: Sequence[str], language: str = "text") -> list[str]:
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
     """Returns a Markdown table without empty columns; no lines without rows."""
-    cells = [[_cell(text) for text in row] for row in rows]
+    cells = [list(map(_cell, row)) for row in rows]
     if not cells:
         return []
     is_filled = [any(column) for column in zip(*cells, strict=True)]

@@ -60,6 +60,7 @@ def _name_and_title(variant: ast.Variant) -> tuple[str, str]:
 
 
 def _number(constant: ast.Constant, c: Composition) -> WrittenNumber:
+    """Returns how a size or param is written: formulas, limits, and the comments beside it."""
     formulas = []
     spans: dict[Span, None] = {}  # a variant may change an entry elsewhere
     for keys, value in _leaves(constant.value):

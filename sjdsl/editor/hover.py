@@ -60,7 +60,7 @@ def _describe(analysis: Analysis, occurrence: Occurrence, analyses: Analyses) ->
         numbers: list[ir.Size | ir.Param] = [*game.sizes, *game.params]
         for number in numbers:
             if number.name == symbol.name:
-                value = table_value(number.value, number.type.by)
+                value = table_value(number.value, number.type.indexed_by)
                 paragraphs.append(f"{code(symbol.name)} is {value} ({unit_of(number)})")
     elsewhere = dict.fromkeys(
         text.document.name.rpartition("/")[2] for text, _ in places if text is not analysis

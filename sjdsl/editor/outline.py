@@ -69,7 +69,8 @@ def _symbol(node: Any, lines: Lines) -> types.DocumentSymbol:
     """Returns the symbol of a declaration; one without a name is called by its keyword."""
     kind, keyword = SYMBOLS[type(node)]
     if isinstance(node, ast.Constant) and node.is_size:
-        kind, keyword = Kind.Constant, "size"
+        kind = Kind.Constant
+        keyword = "size"
     whole = node.span
     name = getattr(node, "name", None)
     if name is None:

@@ -169,7 +169,8 @@ def _require_same_game(file: Path, trained_on: Mapping[str, Any], env: Environme
         ("observation_shape", "other observations"),
     ):
         if trained_on.get(key) != game[key]:
-            there, here = _as_text(trained_on.get(key)), _as_text(game[key])
+            there = _as_text(trained_on.get(key))
+            here = _as_text(game[key])
             raise ExperimentError(f"{file} was trained on {difference}: {there} there, {here} here")
 
 

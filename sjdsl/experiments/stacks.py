@@ -6,7 +6,6 @@ import operator
 from collections import Counter
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 import jax
@@ -115,11 +114,8 @@ def make_player_of_lineups(
         It is the column `[E, N]` of each slot, and the memory `[E, M, ...]` of each stack.
         """
         *_, column_of_slot = arguments
-        memories = []
-        for stack in stacks:
-            repeat = partial(_repeat, (episodes, stack.at_once))
-            memories.append(jax.tree.map(repeat, stack.example().start))
-        return column_of_slot, tuple(memories)
+        memories = tuple(stack.example().starts(episodes, stack.at_once) for stack in stacks)
+        return column_of_slot, memories
 
     evaluator = make_evaluator(
         env,
@@ -137,11 +133,6 @@ def make_player_of_lineups(
         return evaluator(key, (parameters, seats.chosen, seats.only_column, column_of_slot))
 
     return play
-
-
-def _repeat(shape: tuple[int, ...], leaf: Any) -> Array:
-    """Returns an array repeated along new axes in front, of this shape."""
-    return jnp.broadcast_to(leaf, (*shape, *jnp.shape(leaf)))
 
 
 def _lineup_policy(
@@ -164,6 +155,7 @@ def _lineup_policy(
     num_columns = sum(stack.at_once for stack in stacks)
 
     def act(memory: Any, key: Array, observation: Array, *needed: Any) -> tuple[Any, Array]:
+        """Returns the memories of all stacks and the action of each slot, `[N]`: of its column."""
         allowed, state = policy.given(needed)
         column_of_slot, memories = memory
         keys = _keys_of_columns(key, num_columns, only_column)
@@ -184,6 +176,7 @@ def _lineup_policy(
         return (column_of_slot, tuple(next_memories)), by_slot
 
     def after_step(memory: Any, actions: Array, reward: Array, info: Mapping[str, Any]) -> Any:
+        """Returns the memories of all stacks after a step."""
         column_of_slot, memories = memory
         next_memories = [
             _tell_together(stack, of_stack, part, (actions, reward, info))

@@ -137,9 +137,11 @@ def samples_wanted(samples: Mapping[str, np.ndarray]) -> int | None:
         return outcome_of(estimates) != "undecided"
 
     # Bisection: if some number of samples settles the verdict, so does any larger number.
-    low, high = number, number + 1
+    low = number
+    high = number + 1
     while not is_settled(high):
-        low, high = high, 2 * high
+        low = high
+        high = 2 * high
         if low > MAX_SAMPLES:
             return None
     return low + 1 + bisect_left(range(low + 1, high), True, key=is_settled)

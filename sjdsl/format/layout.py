@@ -94,6 +94,7 @@ class Layout:
         return first
 
     def _insert_above_head(self, texts: list[str]) -> None:
+        """Inserts lines above the item that is being written; it loses its blank line to them."""
         head = self.lines[self.head]
         lines = [Line(text) for text in texts]
         lines[0].blank = head.blank
@@ -220,6 +221,7 @@ class Layout:
         opened = [
             c for c in containers if c.content == "block" or self.tokens.breaks(c.open + 1, c.end)
         ]
+        # Between the opened containers are parts that would stay on one line.
         starts = [start, *(c.end if c.close is None else c.close for c in opened)]
         ends = [*(c.open for c in opened), end]
         for first, last in zip(starts, ends, strict=True):

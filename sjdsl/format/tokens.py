@@ -139,13 +139,13 @@ class Tokens:
           indent: columns of the lines.
         """
         for neighbours in self._neighbours(lines):
+            # Of each line, the tokens that begin its columns.
             rows = [(start, *self.structure.columns[start][1]) for start, _ in neighbours]
-            widths = [[self.width(a, b - 1) for a, b in pairwise(row)] for row in rows]
-            widest = [max(column) for column in zip(*widths, strict=True)]
             added: dict[int, int] = {}  # spaces before tokens that begin a column
-            for row, row_widths in zip(rows, widths, strict=True):
-                for token, width, wide in zip(row[1:], row_widths, widest, strict=True):
-                    added[token] = wide - width
+            for column in zip(*map(pairwise, rows), strict=True):
+                widths = {end: self.width(start, end - 1) for start, end in column}
+                widest = max(widths.values())
+                added |= {end: widest - width for end, width in widths.items()}
             if all(self._has_room(start, end, indent, added) for start, end in neighbours):
                 self.columns |= added
 

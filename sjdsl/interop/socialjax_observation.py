@@ -59,5 +59,6 @@ def _layers(layers: Sequence[Mapping[str, int]], names: Sequence[str], observati
     for name in planes:
         if name.startswith("agent."):
             planes[name] = planes[name] * is_self
+    # A layer of the suite adds up channels of ours, by name.
     sums = [sum(weight * planes[name] for name, weight in layer.items()) for layer in layers]
     return jnp.stack(sums, axis=-1)

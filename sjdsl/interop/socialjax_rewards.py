@@ -56,6 +56,7 @@ def make_rewards(
     """
 
     def rewards(raw: Array, timestep: Array) -> tuple[Array, dict[str, Array]]:
+        """Returns the shaped rewards `[N]`, and what the suite's info says of them."""
         if mode.shared_rewards:
             return (common_mean(raw) if shared == "mean" else common_sum(raw)), {}
         unshaped = num_agents * raw if "shaped" in scaled else raw

@@ -49,7 +49,7 @@ def _checked(e: ir.Expr, instance: Instance) -> Value:
         value = numbers.real(value)
     if type_.kind in ("real", "int"):
         numbers.check_interval(value, type_, e)
-    elif type_.kind == "word" and not type_.by:
+    elif type_.kind == "word" and not type_.indexed_by:
         assert value in type_.words, (value, e)
     return value
 
@@ -188,7 +188,7 @@ def _entry(e: ir.At, instance: Instance) -> Value:
     """Returns the entry of a row at a key, or the mean of the entries weighted by a mix."""
     row = evaluate(e.row, instance)
     key = evaluate(e.key, instance)
-    level = e.row.type.by[0]
+    level = e.row.type.indexed_by[0]
     if e.key.type.kind != "mix":
         return row[entry_place(level, key)]
     shares = dict(zip(e.key.type.words, key, strict=True))
@@ -236,11 +236,11 @@ def _lowest(e: ir.Lowest, instance: Instance) -> str | int:
 
     With `last`, the last one.
     """
-    level = e.row.type.by[0]
+    level = e.row.type.indexed_by[0]
     entries = zip(level.names, evaluate(e.row, instance), strict=True)
     names = [name for name, entry in entries if entry > 0] or level.names
     name = names[-1] if e.last else names[0]
-    return int(name) if level.sort == "number" else name
+    return int(name) if level.kind == "number" else name
 
 
 def members_of(domain: ir.Domain, instance: Instance) -> list[Bound]:

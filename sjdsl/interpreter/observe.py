@@ -216,7 +216,7 @@ def _build_expression(observable: ir.Observable, board: Board) -> ir.Expr:
     )
     if observable.word is None:
         return field
-    inner = declared.type.model_copy(update={"by": declared.type.by[1:]})
+    inner = declared.type.model_copy(update={"indexed_by": declared.type.indexed_by[1:]})
     key = ir.Word(
         type=ir.Type(kind="word", words=observable.word.level.names), value=observable.word.name
     )

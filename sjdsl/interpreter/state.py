@@ -147,6 +147,6 @@ def field_value(declared: ir.VarField, value: int | float | str | None) -> Value
             result = frozenset()
         case _:
             result = value
-    for level in reversed(declared.type.by):
+    for level in reversed(declared.type.indexed_by):
         result = (result,) * len(level)
     return result

@@ -194,6 +194,7 @@ def _measured(measure: ir.Measure, instance: Instance) -> Value:
 
 
 def _forbidden(board: Board, world: World, agent: int) -> set[int]:
+    """Returns the actions that an agent may not take now; `stay` is never one."""
     instance = Instance(board, world, names={"agent": agent})
     forbidden: set[int] = set()
     for forbid in board.game.agents.forbids:
@@ -323,6 +324,7 @@ def _count(counted: Counted, board: Board, outcome: Outcome) -> None:
 
 
 def _check_places(board: Board, world: World) -> None:
+    """Asserts that nobody shares a cell or stands outside the map."""
     places = [place for body in bodies(world) if (place := where_is(body, world)) is not None]
     assert len(set(places)) == len(places), f"two on one cell: {world.position}, {world.movers}"
     assert all(place in board.kind_of for place in places), places

@@ -43,7 +43,7 @@ def stored(value: Any, type_: ir.Type, agents: int) -> Any:
     Enum values and agents are numbers, sets of agents bits, tuples lists. `agents` is their number:
     with more than 32, a set is a list of numbers of 32 bits.
     """
-    if isinstance(value, tuple) and type_.by:
+    if isinstance(value, tuple) and type_.indexed_by:
         return [stored(entry, element(type_), agents) for entry in value]
     match type_.kind:
         case "word":
@@ -66,7 +66,7 @@ def loaded(array: Any, type_: ir.Type) -> Any:
 
     The opposite of `stored`. Reals are the same bit for bit.
     """
-    if type_.by:
+    if type_.indexed_by:
         return tuple(loaded(entry, element(type_)) for entry in array)
     match type_.kind:
         case "word":

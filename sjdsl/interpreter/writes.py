@@ -141,7 +141,7 @@ def slots(target: ir.Expr, value: Value, instance: Instance) -> list[tuple[Slot,
     """
     written = written_field(target)
     keys = written_keys(target)
-    levels = written.type.by
+    levels = written.type.indexed_by
     entries = tuple(
         entry_place(level, evaluate(key, instance))
         for level, key in zip(levels[: len(keys)], keys, strict=True)

@@ -156,14 +156,14 @@ def _replaced(game: ir.Game, changes: Values) -> dict[str, Any]:
         param = next((p for p in game.params if p.name == name), None)
         if param is None:
             raise ValueError(f"the game has no parameter `{name}`{meant(name, values, 'it has')}")
-        values[name] = _merged(name, values[name], value, param.type.by, param.type)
+        values[name] = _merged(name, values[name], value, param.type.indexed_by, param.type)
     return values
 
 
 def _check_together(game: ir.Game, values: Values, changes: Values, check_requires: bool) -> None:
     """Raises ValueError if a `require` fails, or if a whole number could leave int32."""
     for check in game.checks:
-        if check_requires and check.sort == "require" and not holds(check.values[0], values):
+        if check_requires and check.kind == "require" and not holds(check.values[0], values):
             test = expression_text(check.values[0])
             raise ValueError(f"these parameters fail a check of the game: require {test}")
     problems = beyond_int32(game, values) if changes else []
@@ -225,7 +225,7 @@ def _merged(name: str, old: Any, value: Any, by: tuple[Level, ...], type_: ir.Ty
 
 def _entries_text(index: Level) -> str:
     """Returns what the entries of an index are."""
-    match index.sort:
+    match index.kind:
         case "word":
             return f"words are {', '.join(index.names)}"
         case "number":

@@ -45,6 +45,7 @@ def substrates() -> dict[str, Substrate]:
 
 
 def _substrate(name: str, entry: dict[str, Any]) -> Substrate:
+    """Returns an entry of `games/meltingpot.toml`. Raises ValueError for an unknown key."""
     for key in entry.keys() - KEYS:
         raise ValueError(f"{FILE}: `{name}` has no key `{key}`{meant(key, sorted(KEYS))}")
     roles = tuple(role for role, number in entry.get("roles", {}).items() for _ in range(number))

@@ -137,6 +137,7 @@ class Chooser:
         """Returns which agents are at a goal, `[N]` bool. goals: `[K, P, H, L]` boards."""
         heading, row, col = poses
         agents = jnp.arange(row.shape[0])
+        # One board for all agents or one each, with one plane or one for each heading.
         board_of_agent = agents if goals.shape[0] > 1 else 0
         plane = heading if goals.shape[1] > 1 else jnp.zeros_like(heading)
         goals_of_agent = goals[board_of_agent, plane]

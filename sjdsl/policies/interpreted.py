@@ -192,6 +192,8 @@ def _choose_move(
         key=lambda number: (distance[allowed[number]], number),
     )
     others = occupied(instance.world, without={instance.names["agent"]})
-    if allowed[best].cell not in others or bits[1] >= 1 << 31:
+    takes_any = bits[1] < 1 << 31
+    if allowed[best].cell not in others or not takes_any:
         return best
-    return list(allowed)[bits[0] * len(allowed) >> 32]
+    drawn = bits[0] * len(allowed) >> 32  # of 32 random bits, a number below that of the moves
+    return list(allowed)[drawn]

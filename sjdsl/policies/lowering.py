@@ -97,7 +97,12 @@ def lower_policy(policy: ir.ScriptedPolicy, game: ir.Game) -> tuple[list[Lowered
         if isinstance(rule, ir.Go) or not rule.chosen:
             return None
         action = action_named(game, rule.chosen)
-        return lower_for_agents(lambda scope, w: action_number(action, rule.given, scope, w)[0])
+
+        def number(scope: IterationScope, w: Writer) -> Value:
+            value, _ = action_number(action, rule.given, scope, w)
+            return value
+
+        return lower_for_agents(number)
 
     def lower_rule(rule: ir.PolicyRule) -> LoweredRule:
         """Returns a rule with its functions."""

@@ -56,6 +56,7 @@ class BiasedDraws:
     bias: Bias
 
     def bits(self, stream: int, number: int) -> int:
+        """Returns the biased word of an instance in a stream."""
         bits = self.source.bits(stream, number)
         match self.bias:
             case "good":
@@ -75,14 +76,20 @@ def biased(draw: "Callable[..., Array]") -> "Callable[..., Array]":
     """
 
     def draw_biased(key: "Array", *arguments: Any) -> "Array":
+        """Returns biased words. key: three uint32, the last one the index of the bias."""
+
         import jax.numpy as jnp
 
         bits = draw(key[:2], *arguments)
-        mixed = jnp.where((bits & 32) != 0, bits >> (bits & 31), bits)
+        by_bias: dict[Bias, Array] = {
+            "fair": bits,
+            "mixed": jnp.where((bits & 32) != 0, bits >> (bits & 31), bits),
+            "good": bits >> 24,
+            "bad": bits | jnp.uint32(0xFF000000),
+        }
         biased_bits: Array = jnp.select(
-            [key[2] == 1, key[2] == 2, key[2] == 3],
-            [mixed, bits >> 24, bits | jnp.uint32(0xFF000000)],
-            bits,
+            [key[2] == number for number in range(len(BIASES))],
+            [by_bias[bias] for bias in BIASES],
         )
         return biased_bits
 

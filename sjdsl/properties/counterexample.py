@@ -69,7 +69,7 @@ def _value_lines(
     family: GameFamily, check: ir.Check, trajectory: Trajectory, where: Violation
 ) -> list[str]:
     """Returns what the parts of a check are in the state that violates it and in an earlier one."""
-    since = where.since if where.since is not None and check.sort != "once" else where.at - 1
+    since = where.since if where.since is not None and check.kind != "once" else where.at - 1
     states = [t for t in (since, where.at) if t >= 0]
     lines = []
     for e in _compared_parts(check):

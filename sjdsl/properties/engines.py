@@ -50,7 +50,7 @@ class EpisodeRunner:
         self.checks = {
             number: check
             for number, check in enumerate(family.own.checks)
-            if check.sort == "expect"
+            if check.kind == "expect"
         }
 
     @cached_property
@@ -159,14 +159,8 @@ class EpisodeRunner:
         first = 0
         for check_number, check in self.checks.items():
             after = first + len(check.values)
-            are_conditions = [e.type.kind == "condition" for e in check.values]
-            values[check_number] = [
-                tuple(
-                    bool(value) if is_condition else value
-                    for value, is_condition in zip(entries, are_conditions, strict=True)
-                )
-                for entries in played.values[row, : steps + 1, first:after].tolist()
-            ]
+            of_states = played.values[row, : steps + 1, first:after].tolist()
+            values[check_number] = [_as_interpreted(entries, check) for entries in of_states]
             first = after
         # The compiled game has further events, which count its statements.
         names = {event.name for event in self.family.own.events}
@@ -178,3 +172,11 @@ class EpisodeRunner:
         num_actions = steps if overflow is None else steps + 1
         actions = [tuple(chosen) for chosen in played.actions[row, :num_actions].tolist()]
         return Episode(number, values, actions, totals, overflow)
+
+
+def _as_interpreted(entries: Sequence[Any], check: ir.Check) -> tuple[Any, ...]:
+    """Returns the compiled values of a check in one state; conditions are numbers there."""
+    values = []
+    for value, expression in zip(entries, check.values, strict=True):
+        values.append(bool(value) if expression.type.kind == "condition" else value)
+    return tuple(values)

@@ -16,7 +16,6 @@ REAL = 1e-6  # reals closer than this, relative, are equal
 DRIFT = 1e-4  # rounding error allowed in sums of reals over an episode, relative
 CONFIDENCE = 0.95
 FLOATS = -1  # stands for the index of a check that every real stays inside float32
-STATES = ("always", "once", "conserved", "monotone")  # checks about the states of a trajectory
 
 
 @dataclass(frozen=True)
@@ -38,7 +37,7 @@ def find_violation(check: ir.Check, values: Sequence[Sequence[Any]]) -> Violatio
       check: an `always`, `once`, `conserved` or `monotone`.
       values: for the first state and the one after each step the values of the check's expressions.
     """
-    match check.sort:
+    match check.kind:
         case "always":
             for t, (holds,) in enumerate(values):
                 if t > 0 and not holds:
@@ -61,7 +60,7 @@ def find_violation(check: ir.Check, values: Sequence[Sequence[Any]]) -> Violatio
         case "monotone":
             return _find_turn(values, rising=check.words[0] == "rising")
         case _:
-            raise AssertionError(check.sort)
+            raise AssertionError(check.kind)
 
 
 def _same(a: Any, b: Any, tolerance: float = REAL) -> bool:

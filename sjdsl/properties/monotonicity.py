@@ -24,7 +24,7 @@ def decide_monotone(check: ir.Check, game: ir.Game) -> bool:
     wanted: Slope = "rising" if check.words[0] == "rising" else "falling"
     known: list[Fact] = []
     for test in game.checks:
-        if test.sort == "require":
+        if test.kind == "require":
             known += facts(test.values[0])
     if fold(value, Slopes(text(argument), known)) in ("level", wanted):
         return True

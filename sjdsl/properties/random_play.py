@@ -30,23 +30,26 @@ def random_params(game: ir.Game, random: Random) -> tuple[tuple[str, Value], ...
     """
     fixed = {n.name for n in ir.walk(game.episode) if isinstance(n, ir.ParamRef)}
     different = [p for p in game.params if p.name not in fixed and random.random() < OTHERS]
-    changed = tuple((p.name, _random_value(p.value, p.type, random)) for p in different)
+    changed = {p.name: _random_value(p.value, p.type, random) for p in different}
     of_file = {p.name: p.value for p in game.params}
-    requires = [check for check in game.checks if check.sort == "require"]
+    requires = [check for check in game.checks if check.kind == "require"]
     for check in requires:
-        if not holds(check.values[0], of_file | dict(changed)):
-            names = {n.name for n in ir.walk(check) if isinstance(n, ir.ParamRef)}
-            changed = tuple((name, value) for name, value in changed if name not in names)
-    values = of_file | dict(changed)
+        if not holds(check.values[0], of_file | changed):
+            for node in ir.walk(check):
+                if isinstance(node, ir.ParamRef):
+                    changed.pop(node.name, None)
+    values = of_file | changed
     if not all(holds(check.values[0], values) for check in requires):
         return ()
-    return () if changed and beyond_int32(game, values) else changed
+    if changed and beyond_int32(game, values):
+        return ()
+    return tuple(changed.items())
 
 
 def _random_value(of_file: Any, type_: ir.Type, random: Random) -> Value:
     """Returns a value of a parameter: the file's, an end of its range, or one inside."""
-    if type_.by:
-        inner = type_.model_copy(update={"by": type_.by[1:]})
+    if type_.indexed_by:
+        inner = type_.model_copy(update={"indexed_by": type_.indexed_by[1:]})
         return tuple(_random_value(entry, inner, random) for entry in of_file)
     if type_.kind == "word":
         return random.choice(type_.words)

@@ -151,7 +151,7 @@ class Search:
         self.steps += len(trajectory.outcomes)
         self.ran |= trajectory.ran
         for i, check in checks.items():
-            if check.sort == "once" and any(values[0] for values in trajectory.values(check)[1:]):
+            if check.kind == "once" and any(values[0] for values in trajectory.values(check)[1:]):
                 self.triggered.add(i)
         written = replace(scenario, actions=tuple(trajectory.actions), policies=())
         for number in {*numbers, FLOATS} - self.found.keys():
@@ -205,7 +205,7 @@ def _without(
     """
     steps = [list(actions) for actions in counterexample.scenario.actions]
     active = [(t, agent) for t, agent in active if t < len(steps)]
-    since = active[0][0] if active else len(steps)
+    since = active[0][0] if active else len(steps)  # steps before the first change are known
     cost = len(steps) - since
     if not 0 < cost <= budget:
         return counterexample, budget

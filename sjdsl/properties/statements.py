@@ -181,6 +181,7 @@ class _Counter:
         return node.model_copy(update=changes) if changes else node
 
     def _unused_name(self) -> str:
+        """Returns a name for a further event that counts how often a statement runs."""
         for number in count(len(self.events)):
             name = f"ran_{number}"
             if name not in self.taken and name not in self.events:

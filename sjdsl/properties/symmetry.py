@@ -123,7 +123,7 @@ def _reads_number(node: ir.Node, sort: ir.Sort) -> str:
         case ir.Attribute(name="index", owner=owner) if body_sort(owner) == sort:
             return f"reads `{'agent' if sort == AGENTS else sort.name}.index`"
         case ir.ParamRef(name=name) if sort == AGENTS and any(
-            level.sort == "agent" for level in node.type.by
+            level.kind == "agent" for level in node.type.indexed_by
         ):
             return f"reads `{name}`, a table by agent"
         case _:

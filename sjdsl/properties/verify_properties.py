@@ -84,7 +84,7 @@ class Verification:
         played = [i for i in self.numbers if i not in self._known]
         leaves = leaf_statements(family.own)
         self._needed = {i: statements_needed_by(checks[i], family.own, leaves) for i in played}
-        states = [i for i in played if checks[i].sort != "expect"]
+        states = [i for i in played if checks[i].kind != "expect"]
         self._reals_may_leave = only is None and may_leave_float32(family.own)
         self._search = Search(family, states, effort, self._needed, progress, self._reals_may_leave)
         self._runner = EpisodeRunner(family, effort.seed)
@@ -106,14 +106,14 @@ class Verification:
     def _played_verdict(self, number: int) -> Verdict:
         """Returns the verdict on a check that play decides."""
         check = self.family.own.checks[number]
-        if check.sort == "expect":
+        if check.kind == "expect":
             self._progress(f"{check.episodes} episodes of `{self.family.text_of(check)}`")
             return self._expectation(number)
         search = self._finished_search
         if number in search.found:
             return self._failed(search.found[number])
         reason = f"{search.steps:,} steps of random play"
-        if check.sort == "once" and number not in search.triggered:
+        if check.kind == "once" and number not in search.triggered:
             reason += "; its first condition never held"
         return make_verdict(self.family, check, True, "examples", reason)
 
@@ -202,7 +202,7 @@ class Verification:
                 is_reused = uses[leaf.statement_id[1:]] > 1
                 use = f"  (in {leaf.statement_id[0]})" if is_reused else ""
                 lines.append(f"{rules.place(statement)}  {rules.text(statement)}{use}")
-        if check.sort == "once" and number not in self._finished_search.triggered:
+        if check.kind == "once" and number not in self._finished_search.triggered:
             condition = rules.text(check.values[0])
             lines.append(f"{rules.place(check)}  the first condition never held: {condition}")
         return tuple(dict.fromkeys(lines))
@@ -285,7 +285,7 @@ def decide_statically(family: GameFamily, number: int) -> Verdict | None:
     def is_monotone(game: ir.Game) -> bool:
         return decide_monotone(game.checks[number], game)
 
-    match check.sort:
+    match check.kind:
         case "require":
             reason = "it holds for the parameters of the file; others are checked when they are set"
             return make_verdict(family, check, True, "decided", reason)

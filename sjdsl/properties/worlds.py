@@ -96,6 +96,7 @@ class WorldSearch:
     triggered: set[int] = field(default_factory=set)
 
     def __post_init__(self) -> None:
+        """Plans the play: how many worlds side by side, how many of them whole episodes, how long."""
         game = self.family.own
         self._checks = [game.checks[number] for number in self.numbers]
         self._left = {FLOATS, *self.numbers}
@@ -177,7 +178,8 @@ class WorldSearch:
     def _choose_bias(self, episode: np.ndarray) -> np.ndarray:
         """Returns the bias of the draws of each world in a segment, `[B]` uint32.
 
-        Half of the whole episodes have one bias throughout.
+        Of the worlds that play whole episodes, every second episode has one bias throughout; these
+        take the biases in turn. Elsewhere a segment has any bias, or none.
         """
         any_bias = self._rng.integers(0, len(BIASES), self.worlds)
         changing = np.where(self._rng.random(self.worlds) < UNFAIR, any_bias, FAIR)
@@ -237,7 +239,7 @@ class WorldSearch:
             values = played.values[:, :, first:after]
             first_values = worlds.first_values[:, None, first:after]
             first = after
-            match check.sort:
+            match check.kind:
                 case "always":
                     is_violated = values[:, :, 0] == 0
                 case "conserved":
@@ -298,6 +300,7 @@ class Archive:
 
         If there is no room left, they replace those of the summaries that were seen most often.
         """
+        # Each summary once, the index among the places of a world that has it, and how many have.
         summaries, indices, times = np.unique(
             summary[places], return_index=True, return_counts=True
         )
@@ -463,6 +466,7 @@ class Program:
                     numbers = self._kind_of_place[numbers]
                 parts.append(_counts(_clipped(numbers)))
         parts = [part.reshape(-1).astype(jnp.int32) for part in parts]
+        # Each number times a factor of its own, mixed, and all added up.
         numbers = jnp.concatenate(parts).astype(jnp.uint32)
         factors = np.random.default_rng(0).integers(0, 2**32, numbers.size, np.uint32)
         mixed = (numbers + np.uint32(COUNTED)) * (factors | np.uint32(1))  # odd, to lose no bits

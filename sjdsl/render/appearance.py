@@ -289,7 +289,7 @@ def draw_cell(kind: KindLook, key: Key, begun: bool = False) -> Drawing:
     side = 0
     for field, value in zip(kind.fields, values, strict=True):
         is_read = field.name in read
-        match field.sort:
+        match field.drawn_as:
             case "edge":
                 edges.append(field.colours[value - 1] if value > 0 and not is_read else None)
             case "bar":

@@ -97,16 +97,19 @@ def draw_windows(board: np.ndarray, snapshot: Snapshot, window: ir.Window, tile:
     height = board.shape[0] // tile
     width = board.shape[1] // tile
     # The last row and column are off the map.
-    tiles = np.zeros((height + 1, width + 1, tile, tile, 3), np.uint8)
+    tiles = np.zeros((height + 1, width + 1, tile, tile, 3), np.uint8)  # by row and column of cells
     tiles[:height, :width] = board.reshape(height, tile, width, tile, 3).swapaxes(1, 2)
-    ahead = np.arange(window.ahead, -window.behind - 1, -1)[:, None, None]
-    right = np.arange(-window.left, window.right + 1)[None, :, None]
+    ahead = np.arange(window.ahead, -window.behind - 1, -1)[:, None, None]  # [rows, 1, 1] cells
+    right = np.arange(-window.left, window.right + 1)[None, :, None]  # [1, cols, 1] cells
     pictures = []
     for row, col, heading in zip(snapshot.row, snapshot.col, snapshot.heading, strict=True):
+        # [rows, cols, 2]: the row and the column on the map of each cell of the window
         cells = np.array((row, col)) + ahead * STEPS[heading] + right * STEPS[(heading + 1) % 4]
         on_map = (row >= 0) & ((cells >= 0) & (cells < (height, width))).all(axis=-1, keepdims=True)
         rows, cols = np.moveaxis(np.where(on_map, cells, -1), -1, 0)
-        picture = np.rot90(tiles[rows, cols], int(heading), axes=(2, 3)).swapaxes(1, 2)
+        # [rows, cols, tile, tile, 3], each tile turned as the window is; then pixels row by row
+        turned = np.rot90(tiles[rows, cols], int(heading), axes=(2, 3))
+        picture = turned.swapaxes(1, 2)
         pictures.append(picture.reshape(ahead.size * tile, right.size * tile, 3))
     return np.stack(pictures)
 

@@ -7,6 +7,7 @@ tests simulate it.
 import re
 import tomllib
 from importlib.resources import files
+from itertools import cycle
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.elaborate.looks import COLOURS as NAMED
@@ -104,7 +105,7 @@ def kind_colours(game: ir.Game, plain: tuple[str, ...] = (), main: str = "") -> 
             wanted.append(KINDS["sea"])
         palette = SOLID_TILES if blocks_always(kind) else TILES
         free = [colour for colour in (*wanted, *palette) if colour not in colours.values()]
-        colours[kind.name] = (free or palette)[0]
+        colours[kind.name] = free[0] if free else palette[0]
     return colours | dict.fromkeys(plain, colours.get(main, TILES[0]))
 
 
@@ -121,8 +122,7 @@ def word_colours(words: tuple[str, ...], inks: tuple[Colour, ...] = INKS) -> tup
     colours = {word: WORDS[word] for word in words if word in WORDS}
     spare = [ink for ink in inks if ink not in colours.values()]
     unnamed = [word for word in (*words[1:], *words[:1]) if word not in WORDS]
-    for number, word in enumerate(unnamed):
-        colours[word] = spare[number % len(spare)]
+    colours |= zip(unnamed, cycle(spare))
     return tuple(colours[word] for word in words)
 
 
@@ -133,7 +133,7 @@ def mark_colours(labels: tuple[str, ...]) -> tuple[Colour, ...]:
         named = [WORDS[part] for part in re.split(r"[^a-z0-9]+", label) if part in WORDS]
         wanted = (*named[:1], *MARKS)
         free = [colour for colour in wanted if colour not in colours]
-        colours.append((free or MARKS)[0])
+        colours.append(free[0] if free else MARKS[0])
     return tuple(colours)
 
 

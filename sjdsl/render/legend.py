@@ -74,12 +74,6 @@ def legend_entries(look: Look, shown: Sequence[Snapshot] | None = None) -> list[
     return list(entries.values())
 
 
-def cell_entries(look: Look) -> Iterator[tuple[Drawing, str]]:
-    """Yields the kinds, what their looks say, and the fields that are drawn without a look."""
-    for kind in look.kinds:
-        yield from _entries_of(kind, None)
-
-
 def _entries_of(kind: KindLook, shown: Sequence[Snapshot] | None) -> list[tuple[Drawing, str]]:
     """Returns the drawings of a kind that occur in the moments shown; one text names the kind."""
     states: set[tuple[Key, bool]] = set()
@@ -181,6 +175,7 @@ def _word_states(kind: KindLook) -> Iterator[Key]:
         if rule.reads <= known:
             applies = rule.applies(kind.name, values, len(combinations)).tolist()
         columns.append(applies)
+    # A key: the number of each field's value, and whether each rule applies.
     for combination, *applied in zip(combinations, *columns, strict=True):
         yield (*combination, *map(int, applied))
 
@@ -264,7 +259,7 @@ def _values(field: FieldLook, fields: Sequence[FieldLook]) -> Iterator[tuple[int
 
     The text of an enum value that another of the `fields` has too begins with the field's name.
     """
-    match field.sort:
+    match field.drawn_as:
         case "bar":
             yield LEGEND_BAR, field.name
         case "edge":

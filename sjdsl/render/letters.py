@@ -69,7 +69,7 @@ def make_letters(game: ir.Game) -> Letters:
     characters: dict[tuple[str, State], str] = {}
     shown: dict[str, tuple[ir.VarField, ...]] = {}
     for kind in game.kinds:
-        fields = tuple(f for f in kind.fields if f.type.kind == "word" and not f.type.by)
+        fields = tuple(f for f in kind.fields if f.type.kind == "word" and not f.type.indexed_by)
         num_states = prod(len(f.type.words) for f in fields)
         shown[kind.name] = fields if num_states <= MAX_STATES else fields[:1]
     movers = {mover.name: mover.glyph for mover in game.movers}
@@ -121,14 +121,15 @@ def with_figures(
       movers: type of mover -> its character.
       arrows: the characters of agents that face north, east, south, west.
     """
-    agents: list[list[tuple[int, int]]] = [[] for _ in rows]
+    agents: list[list[tuple[int, int]]] = [[] for _ in rows]  # of each row: column, number
     for name, number, row, col in snapshot.standing():
         if name == "agent":
             rows[row][col] = arrows[snapshot.heading[number]]
             agents[row].append((col, number))
         else:
             rows[row][col] = movers[name]
-    return [
-        ("".join(row), tuple(number for _, number in sorted(agents_of_row)))
-        for row, agents_of_row in zip(rows, agents, strict=True)
-    ]
+    lines = []
+    for characters, agents_of_row in zip(rows, agents, strict=True):
+        numbers = tuple(number for _, number in sorted(agents_of_row))
+        lines.append(("".join(characters), numbers))
+    return lines

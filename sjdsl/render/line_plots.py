@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST = 5  # lines of a plot that can be told apart
-WIDTH, HEIGHT = 5.6, 3.4  # inches of a plot
+WIDTH = 5.6  # inches of a plot
+HEIGHT = 3.4
 COLUMNS = 3  # plots side by side, at most
 
 

@@ -43,11 +43,13 @@ from sjdsl.render.usual import (
     usual_words,
 )
 
-MAX_WIDTH, MAX_HEIGHT = 800, 600  # pixels of the board
-MIN_TILE, MAX_TILE = 2, 40
+MAX_WIDTH = 800  # pixels of the board
+MAX_HEIGHT = 600
+MIN_TILE = 2
+MAX_TILE = 40
 BADGES = 2  # of an agent: its other corners are in front of its eyes
 NOTHING = ("none", "nothing", "empty", "bare")  # enum values: nothing is there
-Sort = Literal["shape", "tint", "edge", "bar"]
+DrawnAs = Literal["shape", "tint", "edge", "bar"]
 Values = Mapping[str, np.ndarray]  # attribute of the state -> array
 
 
@@ -55,7 +57,7 @@ Values = Mapping[str, np.ndarray]  # attribute of the state -> array
 class FieldLook:
     """A field of a kind, of agents or of movers, as it is drawn where no `look` reads it.
 
-    sort: an enum value is a `shape` if rules change it, else a `tint`; an agent is an `edge` in its
+    drawn_as: an enum value is a `shape` if rules change it, else a `tint`; an agent is an `edge` in its
     colour; all that can be counted is a `bar`, and `full` fills it.
     holds: `word` (an enum value), `number`, `agent` (an id, -1 for nobody) or `agents` (bits).
     words: its enum values, or those that index a field of numbers; pictures: one for each.
@@ -67,7 +69,7 @@ class FieldLook:
 
     name: str
     attribute: str
-    sort: Sort
+    drawn_as: DrawnAs
     holds: Literal["word", "number", "agent", "agents"]
     words: tuple[str, ...] = ()
     colours: tuple[Colour, ...] = ()
@@ -90,7 +92,7 @@ class FieldLook:
             return False
         if word != self.plain:
             return True
-        if self.sort == "tint":
+        if self.drawn_as == "tint":
             return self.words[word] in WORDS
         return set(self.words) <= COLOURS
 
@@ -387,11 +389,11 @@ def _cell_fields(kind: ir.Kind, rules: tuple[Rule, ...], game: ir.Game) -> list[
     looks: list[FieldLook] = []
     shapes = 0
     for field in _seen_fields_of(kind.name, kind.fields, game):
-        is_indexed = bool(field.type.by) and field.type.kind not in ("int", "real")
+        is_indexed = bool(field.type.indexed_by) and field.type.kind not in ("int", "real")
         is_read = field.type.kind != "word" and any(field.name in rule.reads for rule in rules)
         if field.timer or is_indexed or is_read:
             continue
-        tinted = any(look.sort == "tint" for look in looks)
+        tinted = any(look.drawn_as == "tint" for look in looks)
         left_out = words_in_looks(field, rules) | merged_words(kind.name, field, game)
         looks.append(_make_field_look(field, kind.name, game, shapes, tinted, left_out))
         shapes += max(0, len(field.type.words) - 1)
@@ -501,7 +503,7 @@ def _tell_apart(
     """
     used: set[Picture] = set()
     for field in fields:
-        if field.sort != "shape" or field.holds != "word":
+        if field.drawn_as != "shape" or field.holds != "word":
             yield field
             continue
         pictures = list(field.pictures)
@@ -523,7 +525,7 @@ def _carried_fields(
     carried: list[FieldLook] = []
     shapes = 0
     for field in fields:
-        if field.type.kind == "word" and not field.type.by:
+        if field.type.kind == "word" and not field.type.indexed_by:
             words = field.type.words
             pictures = _as_in_looks(words, usual_words(field, False, shapes), game)
             carried.append(
@@ -545,9 +547,9 @@ def _carried_fields(
 def _possessions(fields: Sequence[ir.VarField], game: ir.Game) -> Iterator[FieldLook]:
     """Yields the fields that count what an agent has of each of several enum values."""
     for field in fields:
-        levels = [level.sort for level in field.type.by]
+        levels = [level.kind for level in field.type.indexed_by]
         if field.type.kind in ("int", "real") and levels == ["word"]:
-            words = field.type.by[0].names
+            words = field.type.indexed_by[0].names
             as_words = ir.Type(kind="word", words=("nothing", *words))
             things = ir.VarField(name=field.name, held_by=ir.Sort("agent"), type=as_words)
             _, *pictures = usual_words(things, False)
@@ -591,7 +593,7 @@ def _colour_field(game: ir.Game) -> ir.VarField | None:
     fields = []
     for field in game.agents.fields:
         words = field.type.words
-        is_word = field.type.kind == "word" and not field.type.by and len(words) > 1
+        is_word = field.type.kind == "word" and not field.type.indexed_by and len(words) > 1
         if is_word and len({*colours_of(words)}) == len(words):  # else roles would look alike
             fields.append(field)
     agent = ir.Sort("agent")
@@ -602,7 +604,8 @@ def _colour_field(game: ir.Game) -> ir.VarField | None:
     ]
     coloured = [field for field in fields if set(field.type.words) <= COLOURS]
     lasting_coloured = [field for field in coloured if field in lasting]
-    return next(iter((*lasting_coloured, *lasting, *coloured)), None)
+    best = lasting_coloured or lasting or coloured
+    return best[0] if best else None
 
 
 def _is_set(rules: ir.Node, owner: ir.Sort, name: str) -> bool:
@@ -634,7 +637,7 @@ def _evaluate(e: ir.Expr, fields: Mapping[str, np.ndarray]) -> Any:
             values = fields[e.name]
             return np.asarray(e.type.words)[values] if e.type.kind == "word" else values
         case ir.At(key=ir.Word(value=key) | ir.Number(value=key)):
-            return _evaluate(e.row, fields)[:, e.row.type.by[0].place_of(key)]  # type: ignore[arg-type]
+            return _evaluate(e.row, fields)[:, e.row.type.indexed_by[0].place_of(key)]  # type: ignore[arg-type]
         case ir.SumRow():
             return getattr(np, REDUCTIONS[e.fn].array)(_evaluate(e.row, fields), axis=1)
         case ir.Compare():

@@ -55,10 +55,10 @@ def _reading(field: ir.VarField) -> Reading:
 
 def _value_text(value: np.ndarray, type_: ir.Type) -> str:
     """Returns the text of a value as a state keeps it; of an indexed field, each entry."""
-    if type_.by:
-        index = type_.by[0]
+    if type_.indexed_by:
+        index = type_.indexed_by[0]
         entries = [_value_text(entry, element(type_)) for entry in value]
-        if index.sort == "word":
+        if index.kind == "word":
             entries = [f"{name} {entry}" for name, entry in zip(index.names, entries, strict=True)]
         return " ".join(entries)
     match type_.kind:

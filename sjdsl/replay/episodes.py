@@ -60,6 +60,7 @@ def _make_play(
     policy_with_memory = with_memory(policy)
 
     def encoded(tokens: Array) -> Any:
+        """Returns tokens in the form in which observations are recorded."""
         match observation:
             case "none":
                 return ()
@@ -69,9 +70,13 @@ def _make_play(
                 return to_channels(tokens, env.token_planes, jnp.dtype(jnp.uint8))
 
     def play(key: Array) -> dict[str, Any]:
+        """Plays an episode to its longest end; returns arrays `[T, ...]` of all its steps, by
+        name.
+        """
         keys = EpisodeKeys(key, jax.random.fold_in)
 
         def step(carry: Any, number: Array) -> tuple[Any, dict[str, Any]]:
+            """Plays one step; what was played after the end of the episode is cut off later."""
             state, tokens, memory = carry
             memory, actions = take_actions(
                 env, policy_with_memory, memory, keys.of_choices(number), tokens, state

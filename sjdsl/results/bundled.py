@@ -107,7 +107,8 @@ def is_usual(name: str, variant: str, param: str, value: Any) -> bool:
         return False
     if _is_numeric(value) and _is_numeric(usual[param]):
         return _are_equal(value, usual[param])
-    words, usual_words = np.asarray(value, object), np.asarray(usual[param], object)
+    words = np.asarray(value, object)
+    usual_words = np.asarray(usual[param], object)
     return bool(np.array_equal(words, usual_words))
 
 

@@ -142,9 +142,14 @@ OF_EXPERIMENT = (
     *(f"{name}_{end}" for name in CONTRASTS for end in ("mean", "low", "high")),
 )
 
-RESULTS, CURVES = "results.csv", "curves.csv"  # in the folder `data` of a report
-SWEEP, CELLS, FAILED = "sweep.json", "cells", "failed"
-PLAN, DIAGRAM, CROSS_PLAY = "experiment.json", "schelling.json", "crossplay.json"
+RESULTS = "results.csv"  # in the folder `data` of a report
+CURVES = "curves.csv"
+SWEEP = "sweep.json"
+CELLS = "cells"
+FAILED = "failed"
+PLAN = "experiment.json"
+DIAGRAM = "schelling.json"
+CROSS_PLAY = "crossplay.json"
 # At least, in the evaluation of a seed: the default of `sjdsl train` and `sjdsl evaluate`.
 EPISODES = 30
 POINTS = 40  # at most, of the learning curve of a seed
@@ -279,6 +284,7 @@ def _read_all(folders: Iterable[str | Path]) -> RowsAndPoints:
     Elsewhere seeds that each started from a policy of their own count as trained the same.
     """
     rows, points = _read_each(folders)
+    # The policies that each seed of a run was started from, in any of the folders.
     starts = {(row["run"], row["seed"], row[START]) for row in rows if START in row}
     counts = Counter((run, seed) for run, seed, _ in starts)
     with_several = {run for (run, _), number in counts.items() if number > 1}
@@ -294,6 +300,7 @@ def _read_all(folders: Iterable[str | Path]) -> RowsAndPoints:
 
 
 def _read_each(folders: Iterable[str | Path]) -> RowsAndPoints:
+    """Returns the rows and the points of learning curves of all folders."""
     rows: Rows = []
     points: Rows = []
     for folder in folders:
@@ -434,7 +441,8 @@ def columns_of_run(
     Args:
       earlier: the manifests of the stages before.
     """
-    game, config = manifest["game"], manifest["config"]
+    game = manifest["game"]
+    config = manifest["config"]
     provenance = manifest.get("provenance") or {}
     settings = {
         name: value
@@ -553,7 +561,8 @@ def _changed_numbers(game: Mapping[str, Any], provenance: Mapping[str, Any]) -> 
 
 def _seed_folders(path: Path, config: Mapping[str, Any]) -> list[tuple[int, Path]]:
     """Returns the seeds of a run, and the folder of each."""
-    first, number = int(config["seed"]), int(config["seeds"])
+    first = int(config["seed"])
+    number = int(config["seeds"])
     if not 1 <= number <= MOST_SEEDS:
         raise ValueError(f"it has {number} seeds")
     if number == 1:
@@ -584,7 +593,8 @@ def _read_seed(
     else:
         status = "done" if manifest.get("status") == "finished" else "unfinished"
     device = manifest.get("device") or {}
-    number, kind = device.get("count", 1), device.get("kind", "unknown")
+    number = device.get("count", 1)
+    kind = device.get("kind", "unknown")
     steps, returns = _read_curve(folder)
     row = {
         "record": "seed",
@@ -710,6 +720,7 @@ def _read_experiment(path: Path, name: str, kind: type[Diagram] | type[CrossPlay
 
 
 def _diagram_row(stored: Diagram) -> dict[str, Any]:
+    """Returns the row of a stored Schelling diagram."""
     row = {
         "record": "diagram",
         **stored.model_dump(include={"cooperators", "defectors", "unit", "units", "episodes"}),

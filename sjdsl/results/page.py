@@ -15,7 +15,8 @@ from sjdsl.results.figures import Figure, Table
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
 
-FIGURES, TABLES = "figures", "tables"
+FIGURES = "figures"
+TABLES = "tables"
 ENDINGS = ("png", "svg")
 
 
@@ -70,11 +71,11 @@ def body_text(section: Section, folder: str = "") -> str:
 def _table_text(table: Table) -> str:
     """Returns a table as Markdown."""
     rule = ("---",) * table.labels + ("--:",) * (len(table.headings) - table.labels)
-    rows = (
-        tuple(_escaped(cell.text if isinstance(cell, Figure) else cell) for cell in row)
-        for row in table.rows
-    )
-    return "\n".join(f"| {' | '.join(row)} |" for row in (table.headings, rule, *rows))
+    lines = [table.headings, rule]
+    for row in table.rows:
+        texts = (cell.text if isinstance(cell, Figure) else cell for cell in row)
+        lines.append(tuple(map(_escaped, texts)))
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
 def file_texts(sections: Iterable[Section]) -> dict[str, str]:

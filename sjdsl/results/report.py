@@ -13,7 +13,8 @@ from sjdsl.results.sections import report_sections
 from sjdsl.results.selecting import games
 from sjdsl.several import several
 
-PAGE, DATA = "report.md", "data"
+PAGE = "report.md"
+DATA = "data"
 METHOD = (
     "A cell is the mean over training seeds, with its 95 % interval (Student's t) in brackets. A "
     "single seed has no interval. "

@@ -170,7 +170,8 @@ def _line(words: str, points: "pd.DataFrame") -> Line | None:
     if by_step.empty:
         return None
     label = f"{words}, {counted(by_step.shape[1], 'seed')}"
-    steps, values = by_step.index.to_numpy(float), by_step.to_numpy(float)
+    steps = by_step.index.to_numpy(float)
+    values = by_step.to_numpy(float)
     if values.shape[1] < 2:
         return Line(label, steps, values[:, 0])
     mean, low, high = stack_estimates(estimate(row) for row in values)

@@ -14,7 +14,8 @@ from sjdsl.trainers.settings.extensions import short_name
 if TYPE_CHECKING:
     import pandas as pd
 
-SHARED, APART = "shared", "per_agent"
+SHARED = "shared"
+APART = "per_agent"
 NAMES = {"ippo": "IPPO", "mappo": "MAPPO", "vdn": "VDN"}
 
 

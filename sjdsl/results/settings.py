@@ -186,6 +186,7 @@ def with_settings(frame: "pd.DataFrame") -> "pd.DataFrame":
     columns = {
         name: column_of([values.get(name) for values in by_row]) for name in dict.fromkeys(names)
     }
+    # The new columns stand right behind `settings`.
     others = frame.drop(columns=GAME_NUMBERS)
     middle = others.columns.get_loc("settings") + 1
     return pd.concat(
@@ -211,8 +212,11 @@ def as_written(value: Any) -> str:
     """Returns a setting as `--set` takes it: `0.5`, `true`, `45,90`, `1=random,2=stay`."""
     if not isinstance(value, list):
         return _write_value(value)
-    parts = (part if isinstance(part, list) else [part] for part in value)
-    return ",".join("=".join(map(_write_value, part)) for part in parts)
+    texts = []
+    for part in value:
+        pair = part if isinstance(part, list) else [part]  # of a partner: its agent and its policy
+        texts.append("=".join(map(_write_value, pair)))
+    return ",".join(texts)
 
 
 def _write_value(value: Any) -> str:

@@ -12,7 +12,8 @@ from jax import Array
 
 from sjdsl.runtime.module import GameModule
 
-LOWEST, HIGHEST = -(2**31), 2**31 - 1  # of int32
+LOWEST = -(2**31)  # of int32
+HIGHEST = 2**31 - 1
 
 
 def refuse_beyond_int32(actions: Any) -> None:

@@ -60,6 +60,7 @@ def _if_any_is_done(
     def batched(
         size: int, in_batched: Any, done: Array, words: Array, params: Params, state: State
     ) -> tuple[State, Any]:
+        """Resets in one `cond` for the whole batch: under `vmap`, each environment would reset."""
         done_batched, words_batched, params_batched, state_batched = in_batched
 
         def whole(leaf: Array, is_batched: bool) -> Array:

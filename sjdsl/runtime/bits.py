@@ -222,6 +222,7 @@ def field(words: Sequence[Array], number: Array, width: int, per_word: int) -> A
     word = words[0]
     for place, later_word in enumerate(words[1:], 1):
         word = jnp.where(number // per_word == place, later_word, word)
+    # Where the field begins in its word.
     shift = (number % per_word * width).astype(jnp.uint32)
     result: Array = (word >> shift) & jnp.uint32((1 << width) - 1)
     return result

@@ -50,6 +50,8 @@ def _windows_looked_up(
     """The form for GPUs: each cell of each window looks its cell of the plane up, in one kernel."""
     ahead, behind, left, right = sides
     cols = plane.shape[1]
+    # Where the cells of a window are from its agent, [V] each: rows down and columns to the right
+    # if it faces north; for each heading, the difference of cell numbers.
     row, col = np.mgrid[-ahead : behind + 1, -left : right + 1].reshape(2, -1)
     by_heading = [row * cols + col, col * cols - row, -row * cols - col, -col * cols + row]
     offsets = np.stack(by_heading).astype(np.int32)
@@ -132,6 +134,7 @@ def _filled_in_runs(cells: Array | np.ndarray, plane: Array, values: Array) -> A
 
     @filled.def_vmap
     def batched(size: int, in_batched: Any, plane: Array, values: Array) -> tuple[Array, bool]:
+        """Fills the planes of a batch `[B, cells]`: in a large one, runs of cells are slices."""
         plane_batched, values_batched = in_batched
         if not plane_batched:
             plane = jnp.broadcast_to(plane, (size, *plane.shape))
@@ -150,6 +153,7 @@ LARGE_BATCH = 16  # environments: below, starting so many copies takes longer th
 
 
 def _scattered(plane: Array, cells: Array | np.ndarray, values: Array) -> Array:
+    """Returns a plane with values at distinct cells, which are in order."""
     where = plane.at[cells]
     return where.set(
         values,
@@ -167,7 +171,7 @@ def _from_runs(planes: Array, values: Array, cells: np.ndarray, first: np.ndarra
       first: the number of each run's first cell among `cells`.
     """
     pieces = []
-    place = 0
+    place = 0  # the first cell of the planes behind the last run
     for begin, end in zip(first, [*first[1:], cells.size], strict=True):
         pieces.append(planes[:, place : cells[begin]])
         pieces.append(values[:, begin:end])

@@ -235,6 +235,7 @@ class Environment:
     def _transition(
         self, words: Array, state: State, actions: Array, params: Params
     ) -> tuple[State, Array, Array, Info]:
+        """Returns the state after a step without any reset, rewards `[N]`, done `[]` and info."""
         check_state(self.module, state)
         state, out = self.module.step(
             state, checked_actions(actions, self.num_agents), params, words
@@ -290,9 +291,8 @@ class Environment:
         """
         if self.module.ROLE is None:
             return None
-        states = jax.vmap(lambda key: self.reset(key)[1])(
-            jax.vmap(jax.random.key)(jnp.arange(NUM_STARTS))
-        )
+        keys = jax.vmap(jax.random.key)(jnp.arange(NUM_STARTS))
+        _, states = jax.vmap(self.reset)(keys)
         roles = np.asarray(getattr(states, self.module.ROLE))
         if (roles != roles[0]).any():
             return None

@@ -85,6 +85,7 @@ def fixed_point(values: Array) -> Array:
     significand = jnp.where(exponent == 0, jnp.uint32(0), _significand(bits))
     place = jnp.where(exponent == SPECIAL, ABOVE, exponent - 1)
     shift = place - DIGIT * numbers_on_last_axis(DIGITS, values.ndim + 1)
+    # Each digit is the part of the significand that lies at its place.
     left = significand << jnp.clip(shift, 0, 31).astype(jnp.uint32)
     right = significand >> jnp.clip(-shift, 0, 31).astype(jnp.uint32)
     shifted = jnp.where(shift >= 0, left, right)

@@ -95,6 +95,7 @@ def _beside(numbers: np.ndarray, fields: Sequence[Array]) -> Iterator[tuple[Arra
         for column in map(jnp.asarray, numbers.T):
             yield column, *(looked_up(values, column) for values in fields)
         return
+    # Around each field stands its other end, so that every shifted copy is one slice.
     reach = max(1, *map(abs, steps))
     rings = [jnp.concatenate([values[-reach:], values, values[:reach]]) for values in fields]
     for column, step in zip(numbers.T, steps, strict=True):
@@ -108,7 +109,8 @@ def _beside_some(
     """Yields what `_beside` does, for some cells."""
     size = len(fields[0])
     steps = _steps(numbers, size)
-    padded = [jnp.concatenate([values, values[:1]]) for values in fields]
+    padded = [jnp.concatenate([values, values[:1]]) for values in fields]  # an entry for `size`
+    # Whether there is a cell at each place of the shape, as the bits of a word for each cell.
     bits = (numbers < size) << np.arange(numbers.shape[1], dtype=np.uint32)
     exists = jnp.asarray(np.sum(bits, axis=1, dtype=np.uint32))[around]
 

@@ -145,6 +145,8 @@ def first_moves(
       whether the agent is at a goal already, whether a path leads to one (both `[N]` bool), and the
       index of its first move in `moves.actions`, `[N]` int32; of equally good moves the first.
     """
+    # Backwards from the goals: what is reached after each move more is what one move leads into. An
+    # agent's first move is one that led into what was reached when its own place first was.
     heading, row, col = agents
     planes = goals.shape[1]
     num_boards = max(goals.shape[0], enterable.shape[0])
@@ -153,9 +155,11 @@ def first_moves(
     if goals.shape[0] > 1:
         board_of_agent = jnp.arange(heading.shape[0])
 
-    def holds(reached: Array, facing: Array, r: Array, c: Array) -> Array:
+    def holds(reached: Array, facing: Array, at_row: Array, at_col: Array) -> Array:
+        """Returns which agents' boards contain a place with a heading, `[N]` bool."""
         flat = reached.reshape(-1, *reached.shape[2:])
-        return contains(flat, board_of_agent * planes + (facing if planes > 1 else 0), r, c)
+        plane = facing if planes > 1 else 0
+        return contains(flat, board_of_agent * planes + plane, at_row, at_col)
 
     def leading_moves(reached: Array) -> Array:
         """Returns which moves lead into what is reached, `[N, M]`."""
@@ -165,11 +169,12 @@ def first_moves(
             if step is None:
                 leads.append(holds(reached, (heading + turn) % 4, row, col))
             else:
-                r, c = destination(moves, step, heading, row, col)
-                leads.append(holds(entered, heading, r, c))
+                next_row, next_col = destination(moves, step, heading, row, col)
+                leads.append(holds(entered, heading, next_row, next_col))
         return jnp.stack(leads, axis=-1)
 
     def advance(carry: tuple[Array, Array, Array, Array]) -> tuple[Array, Array, Array, Array]:
+        """Extends what is reached by one move; notes whose first move that is."""
         reached, has_path, best, _ = carry
         further = reached | _expanded(moves, reached, enterable)
         arrives = ~has_path & holds(further, heading, row, col)

@@ -81,9 +81,15 @@ def pick_of_sets(members: Array, key: Array, draw: Callable[[Array], Array]) -> 
     def batched(
         size: int, in_batched: list[bool], members: Array, key: Array
     ) -> tuple[Array, bool]:
-        axes = tuple(0 if is_batched else None for is_batched in in_batched)
+        """Picks of the sets of a batch `[B, ..., S]`."""
+        members_batched, key_batched = in_batched
+        axes = (0 if members_batched else None, 0 if key_batched else None)
         chosen_of_each = jax.vmap(chosen, in_axes=axes, axis_size=size)
-        unchanged = members if in_batched[0] else jnp.broadcast_to(members, (size, *members.shape))
+        if members_batched:
+            unchanged = members
+        else:
+            unchanged = jnp.broadcast_to(members, (size, *members.shape))
+        # One branch for the whole batch: under `vmap`, each set would compute both.
         has_several = _several(members)
         return either(has_several, lambda: chosen_of_each(members, key), lambda: unchanged), True
 
@@ -167,6 +173,8 @@ def _chosen(packed: Array, words: Array, number: Array) -> Array:
 def _chosen_by_chance(
     packed: Array, words: Array, number: Array, key: Array, stream: Array, limit: Array
 ) -> Array:
+    """Returns members picked in turns; each is taken with the same chance, decided by its word."""
+
     def draw_less(members: Array) -> Array:
         return (random_bits_at(key, stream, members.astype(jnp.uint32)) >> 1) < limit
 
@@ -226,6 +234,7 @@ def _chosen_turn_by_turn(
         return jnp.any(turn < wanted)
 
     def take(state: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
+        """Picks the next member of each set, and keeps it if it passes."""
         turn, left, taken = state
         word = lax.dynamic_index_in_dim(words, turn, axis=-1, keepdims=False)
         member = bits.nth(left, below(word, total - turn))  # each turn before has taken one
@@ -289,6 +298,7 @@ def place_fitting(
 def _placed(
     cells: Array, free: Array, own: Array | None, words: Array, position: Array, sent: Array
 ) -> tuple[Array, Array]:
+    """Returns `place` in the form that suits the device and the sizes."""
     agents = position.shape[0]
     if agents > bits.WIDTH or agents * cells.shape[0] > LONG:
         return _one_by_one(cells, free, own, words, position, sent)
@@ -307,6 +317,7 @@ def _one_by_one(
         return jnp.any(waiting)
 
     def place_one(state: tuple[Array, Array, Array, Array]) -> tuple[Array, Array, Array, Array]:
+        """Places the first agent that waits on one of the cells left, if there is one."""
         waiting, free, position, placed = state
         who = jnp.argmax(waiting).astype(jnp.int32)
         possible = free if fitting is None else free & entries_in_bounds(fitting, who)
@@ -436,6 +447,7 @@ def _paired_unrolled(reached: Array, ranks: Array, right: int, alike: bool, most
     ranks = lax.optimization_barrier(ranks)
     lefts = jnp.broadcast_to(rows[:, None], ranks.shape)
     are_few = ranks.size * most <= FEW_PAIRS
+    # Ranks, left and right members: of all pairs in one entry, or of each pair as scalars.
     pairs: list[Pair] = [(ranks, lefts, reached)]
     if are_few:
         scalars = [bits.apart(array.reshape(-1)) for array in pairs[0]]
@@ -492,14 +504,18 @@ def _paired_in_turn(ranks: Array, alike: bool, most: int) -> Array:
     cols = jnp.arange(right)
 
     def take(_: int, state: tuple[Array, Array]) -> tuple[Array, Array]:
+        """Takes the pair with the greatest rank, and removes what it makes impossible."""
         ranks, partner = state
-        best = jnp.argmax(ranks.reshape(-1))
-        a = best // right
-        b = best % right
+        best = jnp.argmax(ranks.reshape(-1))  # of all pairs, row by row
+        a = best // right  # the left member of the pair
+        b = best % right  # the right one
         is_pair = ranks.reshape(-1)[best] > 0
         partner = jnp.where(is_pair & (rows == a), b.astype(jnp.int32), partner)
-        gone_row = (rows == a) | (rows == b) if alike else rows == a
-        gone_col = (cols == a) | (cols == b) if alike else cols == b
+        gone_row = rows == a
+        gone_col = cols == b
+        if alike:  # both sides are the same members
+            gone_row = gone_row | (rows == b)
+            gone_col = (cols == a) | gone_col
         gone = gone_row[:, None] | gone_col[None, :]
         return jnp.where(is_pair & gone, jnp.uint32(0), ranks), partner
 
@@ -560,6 +576,7 @@ def _reached_paired_in_turn(reached: Array, ranks: Array, right: int, alike: boo
         return jnp.any(ranks > 0)
 
     def take(state: tuple[Array, Array]) -> tuple[Array, Array]:
+        """Takes the pair with the greatest rank, of equal ones the first, and removes its members."""
         ranks, partner = state
         number = jnp.min(jnp.where(ranks == jnp.max(ranks), numbers, left * right))
         a = number // right

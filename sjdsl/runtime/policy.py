@@ -32,6 +32,14 @@ class MemoryPolicy:
     reads_state: bool = False
     after_step: Callable[[Any, Array, Array, Mapping[str, Any]], Any] = unchanged
 
+    def starts(self, *shape: int) -> Any:
+        """Returns the memories before the first step of many episodes: leaves `[*shape, ...]`."""
+
+        def repeated(leaf: Any) -> Array:
+            return jnp.broadcast_to(leaf, (*shape, *jnp.shape(leaf)))
+
+        return jax.tree.map(repeated, self.start)
+
     def needs(self, allowed: Any, state: Any) -> tuple[Any, ...]:
         """Returns the arguments of `act` behind memory, key and observation."""
         arguments = []
@@ -80,6 +88,7 @@ def mixed_policy(num_agents: int, parts: Sequence[tuple[Sequence[int], Policy]])
     reads_state = any(policy.reads_state for _, policy in policies)
 
     def act(memory: Any, key: Array, observation: Array, *needed: Any) -> tuple[Any, Array]:
+        """Lets each part act, and takes of its actions those of its agents."""
         allowed, state = mixed.given(needed)
         actions = jnp.zeros(num_agents, jnp.int32)
         keys = jax.random.split(key, len(policies))

@@ -64,6 +64,7 @@ def _numbered(key: Array, stream: Array, numbers: Array) -> Array:
 
 
 def _threefry(key: Array, stream: Array, numbers: Array) -> tuple[Array, Array]:
+    """Returns the two words of threefry-2x32 for each number in a stream, uint32."""
     shape = (1,) * numbers.ndim
     k0, k1 = (word.reshape(shape) for word in jnp.split(key, 2))
     keys = (k0, k1, k0 ^ k1 ^ jnp.uint32(_PARITY))

@@ -67,12 +67,17 @@ def _reduced(reduction: Callable[..., Array], values: Array, axis: Axes, filler:
 
 def lengthened(values: Array, axis: Axes, filler: Any) -> Array:
     """Returns values with one more entry, for GPUs, if a reduction along the axes were a kernel."""
-    given = (axis,) if isinstance(axis, int) else axis
-    axes = range(values.ndim) if given is None else [one % values.ndim for one in given]
+    if axis is None:
+        axes = list(range(values.ndim))
+    elif isinstance(axis, int):
+        axes = [axis % values.ndim]
+    else:
+        axes = [one % values.ndim for one in axis]
     size = math.prod(values.shape[one] for one in axes)
     if size < 2 or size >= WARP or WARP % size:
         return values
-    edges = [(0, int(one == axes[-1]), 0) for one in range(values.ndim)]
+    edges = [(0, 0, 0)] * values.ndim  # before, behind and between entries
+    edges[axes[-1]] = (0, 1, 0)
     return lax.pad(values, jnp.asarray(filler, values.dtype), edges)
 
 

@@ -29,9 +29,10 @@ def cells_on(
       height, width: of the map; pad: cells around it on each side.
     """
     cols = width + 2 * pad
-    by = jnp.asarray(DIRECTIONS, jnp.int32)[heading]
-    row = (cell // cols - pad + by[..., 0] * number) % height
-    col = (cell % cols - pad + by[..., 1] * number) % width
+    direction = jnp.asarray(DIRECTIONS, jnp.int32)[heading]  # [..., 2] rows down, columns right
+    # Rows and columns of the map, without the padding.
+    row = (cell // cols - pad + direction[..., 0] * number) % height
+    col = (cell % cols - pad + direction[..., 1] * number) % width
     return (row + pad) * cols + col + pad
 
 
@@ -40,6 +41,7 @@ def joined_edges(plane: Array, pad: int) -> Array:
     shown = plane[pad:-pad, pad:-pad]
     for axis in (0, 1):
         size = shown.shape[axis]
+        # The padding on each side shows so many whole maps, and a part of one.
         whole, rest = divmod(pad, size)
         before = shown[size - rest :] if axis == 0 else shown[:, size - rest :]
         behind = shown[:rest] if axis == 0 else shown[:, :rest]

@@ -66,12 +66,17 @@ def add_to_entry(values: Array, number: int, amounts: Any, axis: int = -1) -> Ar
 
 def _is_entry(values: Array, number: int, axis: int) -> Array:
     along = jnp.arange(values.shape[axis], dtype=jnp.int32) == number
-    return along.reshape((1,) * (values.ndim + axis) + (-1,) + (1,) * (-1 - axis))
+    shape = [1] * values.ndim
+    shape[axis] = -1
+    return along.reshape(shape)
 
 
 def _with_axis(new: Any, axis: int) -> Any:
     """Returns what is written with an axis of length 1; a number stays one."""
-    return new if np.ndim(new) == 0 else new[(..., None, *[slice(None)] * (-1 - axis))]
+    if np.ndim(new) == 0:
+        return new
+    behind = [slice(None)] * (-1 - axis)  # the axes after it
+    return new[(..., None, *behind)]
 
 
 def _written(
@@ -81,6 +86,7 @@ def _written(
     places: Places,
     new: Any,
 ) -> Array:
+    """Returns what is written by one of two forms: see `set_at`."""
     given = places if isinstance(places, tuple) else (places,)
     numbers = tuple(map(jnp.asarray, given))
     writers = math.prod(np.broadcast_shapes(*(number.shape for number in numbers)))
@@ -125,16 +131,16 @@ def _add_by_comparing(values: Array, numbers: tuple[Array, ...], amounts: Any) -
 def _places_of_writers(values: Array, numbers: tuple[Array, ...]) -> list[Array]:
     """Returns where each writer writes: bool, of the shape of the values."""
     shape = np.broadcast_shapes(*(number.shape for number in numbers))
-    equal = []
+    by_axis = []  # of each axis, of each writer: where its number along that axis is
     for axis, number in enumerate(numbers):
         along = lax.broadcasted_iota(jnp.int32, values.shape, axis)
         number = number.astype(jnp.int32)
         from_start = jnp.where(number < 0, number + values.shape[axis], number)
         of_writers = jnp.broadcast_to(from_start, shape).reshape(-1)
-        equal.append(
+        by_axis.append(
             [along == lax.squeeze(one, (0,)) for one in jnp.split(of_writers, len(of_writers))]
         )
-    return [reduce(operator.and_, axes) for axes in zip(*equal, strict=True)]
+    return [reduce(operator.and_, of_writer) for of_writer in zip(*by_axis, strict=True)]
 
 
 def _entries(values: Array, numbers: tuple[Array, ...], new: Any) -> list[Array]:

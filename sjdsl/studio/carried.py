@@ -30,7 +30,10 @@ def carry_over(
     old_types = {(field.held_by, field.name): field.type for field in all_fields(old)}
     for field in all_fields(new):
         old_type = old_types.get((field.held_by, field.name))
-        if old_type is None or (old_type.kind, old_type.by) != (field.type.kind, field.type.by):
+        if old_type is None or (old_type.kind, old_type.indexed_by) != (
+            field.type.kind,
+            field.type.indexed_by,
+        ):
             continue
         values = held_values(field, world)
         if not _fits(values, field.type):

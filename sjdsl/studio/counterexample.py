@@ -70,7 +70,9 @@ def replay(opened: Opened, request: Replay) -> tuple[Opened, Episode]:
 def _check_fits(request: Replay, params: Sequence[tuple[str, Any]], game: ir.Game) -> None:
     """Raises NoReplay if a counterexample doesn't fit a game."""
     types = {param.name: param.type for param in game.params}
-    are_params = all(name in types and _fits(value, types[name].by) for name, value in params)
+    are_params = all(
+        name in types and _fits(value, types[name].indexed_by) for name, value in params
+    )
     if request.rows != game.rows or not are_params:
         raise NoReplay(
             "the rules have changed since: they do not take the map or the numbers of this "

@@ -92,7 +92,7 @@ def _write_missing(files: Mapping[str, str], folder: Folder) -> list[str]:
     missing = []
     for path, text in files.items():
         try:
-            if folder.read(path)[0] != text:
+            if folder.read(path).text != text:
                 raise FileRefused(
                     f"there is another file `{path}` in this folder: move it away, or start the "
                     "studio in an empty folder"
@@ -108,21 +108,29 @@ def _write_missing(files: Mapping[str, str], folder: Folder) -> list[str]:
 
 
 def _needed_files(home: Folder, path: PurePosixPath) -> Iterator[tuple[str, str]]:
-    """Yields the maps of a game's variants, its base, and what that needs, with their texts."""
+    """Yields the maps of a game's variants, its base, and what that needs, with their texts.
+
+    Their paths are beside the copy of the game.
+    """
     seen = set[Path]()
-    copy = PurePosixPath(path.name)  # the path beside the copy of the game
-    while home.path_of(path.as_posix()) not in seen:  # else the game extends itself
-        seen.add(home.path_of(path.as_posix()))
+    copy = PurePosixPath(path.name)
+    while True:
+        name = path.as_posix()
+        text = home.read(name).text
+        if seen:  # a base, not the game itself
+            yield copy.as_posix(), text
+        if home.path_of(name) in seen:  # the game extends itself
+            return
+        seen.add(home.path_of(name))
         try:
-            file = parse(Source(path.as_posix(), home.read(path.as_posix())[0]))
+            file = parse(Source(name, text))
         except CompileError:
             return
         for node in walk(file):
             if isinstance(node, ast.Map) and node.file is not None:
-                text, _ = home.read((path.parent / node.file.text).as_posix())
-                yield (copy.parent / node.file.text).as_posix(), text
+                map_text = home.read((path.parent / node.file.text).as_posix()).text
+                yield (copy.parent / node.file.text).as_posix(), map_text
         if file.game.extends is None:
             return
         path = path.parent / file.game.extends.text
         copy = copy.parent / file.game.extends.text
-        yield copy.as_posix(), home.read(path.as_posix())[0]

@@ -47,9 +47,9 @@ def _answer(
             return {"steps": tour.steps()}
         case "GET", "/file":
             home, path = place_of(query["path"], folder.root)
-            text, digest = Folder(home).read(path)
+            file = Folder(home).read(path)
             uri = (home / path).as_uri()  # for the language server
-            return {"text": text, "digest": digest, "uri": uri}
+            return {"text": file.text, "digest": file.digest, "uri": uri}
         case "PUT", "/file":
             path = str(arguments["path"])
             text = str(arguments["text"])
@@ -64,6 +64,6 @@ def _answer(
         case "POST", "/new":
             path = str(arguments["path"])
             written = new_game(path, str(arguments["like"]), folder)
-            return {"digest": folder.read(path)[1], "copied": written}
+            return {"digest": folder.read(path).digest, "copied": written}
         case _:
             raise FileRefused(f"there is no `{address}`")

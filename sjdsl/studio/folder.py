@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 from threading import Lock
+from typing import NamedTuple
 
 from sjdsl.files import games_below, line_end, read_bytes, write_whole
 
@@ -23,6 +24,11 @@ class Changed(FileRefused):
     """A file has changed since it was read."""
 
 
+class FileContent(NamedTuple):
+    text: str
+    digest: str
+
+
 @dataclass(frozen=True)
 class Folder:
     """A folder and all below it. root: its path, links followed."""
@@ -34,14 +40,14 @@ class Folder:
         games = islice(games_below(self.root), MAX_GAMES)
         return [path.relative_to(self.root).as_posix() for path in games]
 
-    def read(self, name: str) -> tuple[str, str]:
-        """Returns the text of a file and its digest. Raises FileRefused."""
+    def read(self, name: str) -> FileContent:
+        """Returns the content of a file. Raises FileRefused."""
         path = self.path_of(name)
         if not path.is_file():
             raise FileRefused(f"there is no file `{name}`")
         try:
             data = read_bytes(path, LARGEST)
-            return data.decode("utf-8"), digest(data)
+            return FileContent(data.decode("utf-8"), digest(data))
         except OSError as error:
             raise FileRefused(f"`{name}` cannot be read: {error.strerror}") from None
         except UnicodeDecodeError:
@@ -61,18 +67,15 @@ class Folder:
         """
         path = self.path_of(name)
         with _writing:
-            old_text: str = ""
-            current: str | None = None  # its digest
-            if path.is_file():
-                old_text, current = self.read(name)
-            if line_end(old_text) == "\r\n" and "\r" not in text:
+            current = self.read(name) if path.is_file() else None
+            if current and line_end(current.text) == "\r\n" and "\r" not in text:
                 text = text.replace("\n", "\r\n")
             data = text.encode("utf-8")
             if len(data) > LARGEST:
                 raise FileRefused(f"the text is larger than {LARGEST // 1000} kB")
             if current is None and before is not None:
                 raise Changed(f"`{name}` is not there any more")
-            if current != before:
+            if current is not None and current.digest != before:
                 raise Changed(f"`{name}` was changed by somebody else since it was opened")
             try:
                 write_whole(path, data)

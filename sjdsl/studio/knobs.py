@@ -24,7 +24,7 @@ def knobs(game: ir.Game, values: dict[str, Any]) -> list[dict[str, Any]]:
         type_ = param.type
         is_word = type_.kind == "word"
         written = real(param.value) if type_.kind == "real" else param.value
-        entries = list(_entries(values[param.name], written, type_.by, is_word))
+        entries = list(_entries(values[param.name], written, type_.indexed_by, is_word))
         knob = {
             "name": param.name,
             "whole": type_.kind == "int",
@@ -59,7 +59,7 @@ def with_entries(game: ir.Game, values: Mapping[str, Any], name: str, value: Any
       value: the new value; entries that a mapping leaves out stay as they are.
     """
     param = next((param for param in game.params if param.name == name), None)
-    return value if param is None else _merged(values[name], param.type.by, value)
+    return value if param is None else _merged(values[name], param.type.indexed_by, value)
 
 
 def _merged(old: Any, by: tuple[Level, ...], new: Any) -> Any:

@@ -83,6 +83,7 @@ class Guard:
         self._access = access
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Refuses requests without access, and passes the others on."""
         if scope["type"] not in ("http", "websocket"):
             await self._app(scope, receive, send)
             return
@@ -124,6 +125,7 @@ def _make_file_handler(folder: Folder) -> Handler:
     """Returns what answers requests about files, in a thread, as a large folder takes a while."""
 
     async def answer(request: Request) -> Response:
+        """Answers one request, whose body is read up to a limit."""
         body = b""
         async for part in request.stream():
             body += part

@@ -66,14 +66,14 @@ class Serverless:
         status, answer = files.answer_request(self._folder, method, url.path, query, body)
         if method != "GET" and status == 200:
             names = (*answer.get("copied", ()), json.loads(body)["path"])
-            answer["written"] = {name: self._folder.read(name)[0] for name in names}
+            answer["written"] = {name: self._folder.read(name).text for name in names}
         return json.dumps(answer)
 
     def keep(self, path: str, text: str) -> None:
         """Writes a file that was saved before or in another worker. Raises FileRefused."""
         (self._folder.root / path).parent.mkdir(parents=True, exist_ok=True)
         try:
-            before = self._folder.read(path)[1]
+            before = self._folder.read(path).digest
         except FileRefused:
             before = None
         self._folder.write(path, text, before)

@@ -27,7 +27,9 @@ class FieldPath:
     @property
     def entry_type(self) -> ir.Type:
         """The type of the field's values, or of that entry of them."""
-        return self.declared.type.model_copy(update={"by": self.declared.type.by[len(self.keys) :]})
+        return self.declared.type.model_copy(
+            update={"indexed_by": self.declared.type.indexed_by[len(self.keys) :]}
+        )
 
 
 def find_field(game: ir.Game, text: str) -> FieldPath:
@@ -52,7 +54,7 @@ def find_field(game: ir.Game, text: str) -> FieldPath:
     if declared is None:
         raise ValueError(f"`{text}`: {_no_field(owner, name, owners, game.fields)}")
     keys = re.findall(r"-?\w+", brackets)
-    levels = declared.type.by
+    levels = declared.type.indexed_by
     if len(keys) > len(levels):
         indices = f"has {len(levels)} indices" if levels else "is one value, without an index"
         raise ValueError(f"`{text}`: `{name}` {indices}")
@@ -155,12 +157,13 @@ def by_owner(name: str, values: Any, owners: list[Any]) -> dict[Any, Any]:
                 "give some as a mapping"
             )
         return dict(zip(owners, values, strict=True))
-    is_entry = isinstance(values, Mapping) and values and all(isinstance(k, str) for k in values)
-    if isinstance(values, Mapping) and not is_entry:
-        for owner in values:
-            if owner not in owners:
-                listed = ", ".join(map(str, owners[:6]))
-                others = ", …" if len(owners) > 6 else ""
-                raise ValueError(f"`{name}`: {owner} is none of {listed}{others}")
-        return dict(values)
-    return dict.fromkeys(owners, values)
+    if not isinstance(values, Mapping):
+        return dict.fromkeys(owners, values)
+    if values and all(isinstance(key, str) for key in values):  # words: the entries of one row
+        return dict.fromkeys(owners, values)
+    for owner in values:
+        if owner not in owners:
+            listed = ", ".join(map(str, owners[:6]))
+            others = ", …" if len(owners) > 6 else ""
+            raise ValueError(f"`{name}`: {owner} is none of {listed}{others}")
+    return dict(values)

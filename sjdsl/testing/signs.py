@@ -128,7 +128,7 @@ def _read_look(game: ir.Game, character: str, text: str) -> Sign:
                 reason = f"`{name}` has no field `{field_name}`{meant(field_name, fields)}"
             raise ValueError(f'look `{character}`: write "{name} field=value"; {reason}')
         type_ = fields[field_name].type
-        if type_.by or type_.kind == "agents":
+        if type_.indexed_by or type_.kind == "agents":
             raise ValueError(
                 f"look `{character}`: `{name}.{field_name}` has many values; put it with `fields`"
             )

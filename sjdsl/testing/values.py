@@ -27,9 +27,9 @@ def from_author(name: str, written: Any, type_: ir.Type, agents: int, current: A
     Raises:
       ValueError: not a value of this type.
     """
-    if not type_.by:
+    if not type_.indexed_by:
         return _single_from_author(name, written, type_, agents)
-    keys = _keys(type_.by[0])
+    keys = _keys(type_.indexed_by[0])
     if not isinstance(written, Mapping):
         raise ValueError(
             f"`{name}` has an entry for each of {', '.join(map(str, keys))}: "
@@ -50,7 +50,7 @@ def from_author(name: str, written: Any, type_: ir.Type, agents: int, current: A
 
 def _keys(level: ir.Level) -> tuple[str, ...] | tuple[int, ...]:
     """Returns the keys of written entries: enum values, numbers, or numbers of agents."""
-    return level.names if level.sort == "word" else tuple(map(int, level.keys))
+    return level.names if level.kind == "word" else tuple(map(int, level.keys))
 
 
 def _single_from_author(name: str, written: Any, type_: ir.Type, agents: int) -> Any:
@@ -100,8 +100,8 @@ def _agent(name: str, number: Any, agents: int) -> int:
 
 def to_author(value: Any, type_: ir.Type) -> Any:
     """Returns a value of the interpreter as an author writes it."""
-    if type_.by:
-        entries = zip(_keys(type_.by[0]), value, strict=True)
+    if type_.indexed_by:
+        entries = zip(_keys(type_.indexed_by[0]), value, strict=True)
         return {key: to_author(entry, element(type_)) for key, entry in entries}
     if type_.kind == "agents":
         return set(value)

@@ -25,7 +25,7 @@ from sjdsl.interpreter.stored import held_values
 from sjdsl.interpreter.threefry import return_stream
 from sjdsl.interpreter.writes import Slot, winners
 
-Sort = Literal["field", "place", "heading", "away", "moved", "reward", "event", "mark", "end"]
+Changed = Literal["field", "place", "heading", "away", "moved", "reward", "event", "mark", "end"]
 Owner = int | Mover | Cell | None
 Purpose = Literal["which cell", "which heading", "which way"]
 RandomNumbers = Mapping[tuple[int, int], int]  # (stream, number) -> 32 random bits
@@ -44,7 +44,7 @@ class Used(NamedTuple):
 class Effect:
     """One change.
 
-    sort: what changed. The heading of a mover that a rule sets is a `field`, the one that follows
+    changed: what changed. The heading of a mover that a rule sets is a `field`, the one that follows
     from its way a `heading`.
     owner: an agent's number, a mover, a cell, or None for the world.
     name: of the field or event, with its indices: `bag[raw]`.
@@ -53,7 +53,7 @@ class Effect:
     lost: the statements that drew lots with those and lost.
     """
 
-    sort: Sort
+    changed: Changed
     owner: Owner = None
     name: str = ""
     old: Value = None
@@ -101,7 +101,7 @@ def _fields(account: Account, board: Board) -> Iterator[Effect]:
                 for number, owner in enumerate(owners)
             ]
         for owner, slot_owner, old_value, new_value in values:
-            for entries, label, was, now in _entries(field.type.by, old_value, new_value):
+            for entries, label, was, now in _entries(field.type.indexed_by, old_value, new_value):
                 slot = Slot(field.name, slot_owner, entries)
                 by = tuple(writers[slot])
                 if isinstance(owner, Mover) and field.name == "heading" and not by:
@@ -172,19 +172,19 @@ def _bodies(account: Account, board: Board, numbers: RandomNumbers) -> Iterator[
         n = number_of(body)
         heading = heading_of(body, account.before)
         new_heading = heading_of(body, account.after)
-        changes: list[tuple[Sort, Value, Value]] = [
+        changes: list[tuple[Changed, Value, Value]] = [
             ("place", before.position[n], after.position[n]),
             ("heading", heading, new_heading),
             ("away", before.away[n], after.away[n]),
             ("moved", before.moved[n], after.moved[n]),
         ]
-        for sort, old, new in changes:
-            if sort == "heading" and isinstance(body, Mover):
+        for changed, old, new in changes:
+            if changed == "heading" and isinstance(body, Mover):
                 if Slot("heading", (body.sort, n), ()) in written:
                     continue  # an effect on a field
             if old != new:
-                used = tuple(_used(sort, body, account, by, numbers))
-                yield Effect(sort, body, old=old, new=new, by=by, draws=used)
+                used = tuple(_used(changed, body, account, by, numbers))
+                yield Effect(changed, body, old=old, new=new, by=by, draws=used)
 
 
 def _senders(account: Account, board: Board, body: Body) -> Iterator[Done]:
@@ -213,7 +213,7 @@ def _senders(account: Account, board: Board, body: Body) -> Iterator[Done]:
 
 
 def _used(
-    sort: str, body: Body, account: Account, by: Sequence[Done], numbers: RandomNumbers
+    changed: str, body: Body, account: Account, by: Sequence[Done], numbers: RandomNumbers
 ) -> Iterator[Used]:
     """Yields the random numbers that decided a change of a body's place or heading."""
     if where_is(body, account.after) is None:
@@ -221,7 +221,7 @@ def _used(
     for done in by:
         statement = done.statement
         purpose: Purpose
-        match sort, statement:
+        match changed, statement:
             case "heading", ir.Shift() | ir.Send():
                 purpose = "which heading"
                 stream = statement.heading_stream

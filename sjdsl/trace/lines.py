@@ -94,7 +94,7 @@ def rules_with_effects(turn: Turn) -> Iterator[tuple[ir.Stmt | None, list[Effect
     """Yields the rules of a turn in the order of their first effects, each with its effects."""
     rules: dict[int, tuple[ir.Stmt | None, list[Effect]]] = {}
     for effect in turn.effects:
-        if effect.sort != "moved":  # its place changes, too
+        if effect.changed != "moved":  # its place changes, too
             rule = effect.by[0].statement if effect.by else None
             _, effects = rules.setdefault(id(rule), (rule, []))
             effects.append(effect)
@@ -116,7 +116,7 @@ def _groups(effects: Sequence[Effect], board: Board) -> list[list[Effect]]:
         kind = say_owner(effect.owner, board).split(" ")[0]
         name = effect.name.split("[")[0]
         values = tuple(value for value in (effect.old, effect.new) if isinstance(value, str | bool))
-        groups.setdefault((kind, effect.sort, name, values), []).append(effect)
+        groups.setdefault((kind, effect.changed, name, values), []).append(effect)
     return list(groups.values())
 
 

@@ -212,7 +212,7 @@ def _values_read(e: ir.Expr, instance: Instance) -> Iterator[ir.Expr]:
 def _value_text(e: ir.Expr, instance: Instance) -> str:
     """Returns the value of an expression in words, reals with 4 digits."""
     value: Value = evaluate(e, instance)
-    if e.type.kind == "real" and not e.type.by:
+    if e.type.kind == "real" and not e.type.indexed_by:
         return f"{float(value):.4g}"
     return say_value(value, e.type)
 

@@ -55,7 +55,7 @@ def say_value(value: Value, type_: ir.Type | None = None) -> str:
 def say_effect(effect: Effect, board: Board) -> str:
     """Returns one change: `water (3, 4)  state: clean -> dirty`."""
     owner = say_owner(effect.owner, board)
-    match effect.sort:
+    match effect.changed:
         case "field":
             old = say_value(effect.old, effect.type)
             change = f"{effect.name}: {old} -> {say_value(effect.new, effect.type)}"
@@ -79,6 +79,7 @@ def say_effect(effect: Effect, board: Board) -> str:
 
 
 def _say_journey(old: Cell | None, new: Cell | None) -> str:
+    """Returns a change of place in words."""
     if new is None:
         return "stays off the map" if old is None else f"leaves {say_cell(old)}"
     if old is None:
@@ -87,6 +88,7 @@ def _say_journey(old: Cell | None, new: Cell | None) -> str:
 
 
 def _say_absence(away: Away | None) -> str:
+    """Returns a change of absence in words."""
     if away is None:
         return "is back on the map"
     if not away.ticks:

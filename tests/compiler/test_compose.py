@@ -93,7 +93,7 @@ def test_checks_are_added_and_those_with_a_name_replaced(
     monkeypatch.setitem(globals(), "BASE", BASE.replace("variant rich", CHECKS))
 
     def sorts(changes: str, variant: str = "", *variants: str) -> list[str]:
-        return [check.sort for check in game(tmp_path, changes, variant, *variants).checks]
+        return [check.kind for check in game(tmp_path, changes, variant, *variants).checks]
 
     assert sorts("") == ["require", "require", "conserved"]
     assert sorts("checks { always apple > 0 }") == ["require", "always", "require", "conserved"]

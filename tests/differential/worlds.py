@@ -75,8 +75,8 @@ def stored(state: Any, declared: ir.VarField) -> np.ndarray:
 
 def held(value: np.ndarray, type_: ir.Type) -> Any:
     """Returns one value as the interpreter holds it."""
-    if type_.by:
-        inner = type_.model_copy(update={"by": type_.by[1:]})
+    if type_.indexed_by:
+        inner = type_.model_copy(update={"indexed_by": type_.indexed_by[1:]})
         return tuple(held(entry, inner) for entry in value)
     match type_.kind:
         case "word":

@@ -49,7 +49,7 @@ def checks(w: World) -> list[Lines]:
         event = w.random.choice(w.events)
         name = (
             f"{event.name}[{event.by.names[0]}]"
-            if event.by and event.by.sort != "agent"
+            if event.by and event.by.kind != "agent"
             else event.name
         )
         text, *_ = domain(scope.having(Variable("agent")), 1)
@@ -201,11 +201,11 @@ def _observable(w: World, owner: str, f: Field, text: str) -> str:
     small = f.type.kind == "word" or (
         f.type.kind == "int" and f.type.low >= 0 and f.type.high <= 255 and not cell
     )
-    if small and w.is_now(0.5) and not (cell and f.type.by):
+    if small and w.is_now(0.5) and not (cell and f.type.indexed_by):
         return _perhaps_when(w, owner, f"show {text}")
-    if f.type.kind == "agent" and not f.type.by and w.is_now(0.6):
+    if f.type.kind == "agent" and not f.type.indexed_by and w.is_now(0.6):
         return _perhaps_when(w, owner, f"show {text}")
-    if f.type.by or f.timer:
+    if f.type.indexed_by or f.timer:
         return f"show {text}" if f.timer and not cell else ""
     return _perhaps_when(w, owner, f"show {text} as {{ {_labels(w, owner, LABELS)} }}")
 

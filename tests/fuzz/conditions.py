@@ -200,7 +200,9 @@ def word(scope: Scope, allowed: tuple[str, ...], depth: int, plain: bool = True)
         known = [(text, t.words) for text, t in scope.single_values("word") if len(t.words) > 1]
     rows = [v for v in scope.rows("word") if set(v[1].words) <= set(allowed)]
     numbers = [
-        v for v in scope.rows("int") if len(v[1].by) == 1 and set(v[1].by[0].names) <= set(allowed)
+        v
+        for v in scope.rows("int")
+        if len(v[1].indexed_by) == 1 and set(v[1].indexed_by[0].names) <= set(allowed)
     ]
     made: list[Word] = []
     if rows and depth > 0:
@@ -208,7 +210,7 @@ def word(scope: Scope, allowed: tuple[str, ...], depth: int, plain: bool = True)
         made += [found] if found else []
     if numbers and depth > 0:
         row = r.choice(numbers)
-        made.append((f"{r.choice(('lowest', 'highest'))}({row[0]})", row[1].by[0].names))
+        made.append((f"{r.choice(('lowest', 'highest'))}({row[0]})", row[1].indexed_by[0].names))
     if depth > 0 and plain and r.random() < 0.3:
         arms = [word(scope, allowed, depth - 1), word(scope, allowed, depth - 1)]
         if all(arms):
@@ -226,8 +228,8 @@ def word(scope: Scope, allowed: tuple[str, ...], depth: int, plain: bool = True)
 
 def _entry(scope: Scope, row: Typed, depth: int) -> Word | None:
     text, type_ = row
-    while type_.by:
-        key = key_for(scope, type_.by[0], depth)
+    while type_.indexed_by:
+        key = key_for(scope, type_.indexed_by[0], depth)
         if not key:
             return None
         text, type_ = f"{text}[{key}]", element(type_)

@@ -88,7 +88,7 @@ def _declared_sets(w: World) -> list[tuple[str, ...]]:
         *(f for k in (*w.kinds.values(), *w.movers.values()) for f in k.fields),
     ]
     levels = (
-        (f.type.words, *(level.names for level in f.type.by if level.sort == "word"))
+        (f.type.words, *(level.names for level in f.type.indexed_by if level.kind == "word"))
         for f in fields
     )
     return list(dict.fromkeys(s for own in levels for s in own if s))
@@ -161,7 +161,7 @@ def param(w: World, name: str) -> Number:
         w.level() if not i and w.is_now(0.4) else Level("word", r.choice(w.word_sets))
         for i in range(levels)
     )
-    said = f" by {by[0]}" if by and (by[0].sort != "word" or w.is_now(0.2)) else ""
+    said = f" by {by[0]}" if by and (by[0].kind != "word" or w.is_now(0.2)) else ""
     whole = unit in ("count", "steps", "cells")
     low, high = UNIT_LIMITS[unit]
     limits = ""
@@ -188,7 +188,7 @@ def param(w: World, name: str) -> Number:
             ("0", "0.25", "0.3", "0.125") if high < 1 else ("0.5", "0.7", "0.1", "1", "0")
         )
 
-    type_ = ir.Type(kind="int" if whole else "real", unit=unit, low=low, high=high, by=by)
+    type_ = ir.Type(kind="int" if whole else "real", unit=unit, low=low, high=high, indexed_by=by)
     return Number(
         name, type_, f"param {name}{said} : {unit} = {_table(w, by, value, bool(said))}{limits}"
     )
@@ -210,20 +210,20 @@ def _words_param(w: World, name: str, table: bool) -> Number | None:
         set(given) <= set(s) for s in (*(level.names for level in by), *w.word_sets) if s != words
     ):
         return None
-    return Number(name, ir.Type(kind="word", words=words, by=by), text)
+    return Number(name, ir.Type(kind="word", words=words, indexed_by=by), text)
 
 
 def _table(w: World, by: tuple[Level, ...], value, said: bool = False) -> str:
     """Returns a table, or, where what it is by is said, perhaps one value for all, or some and `otherwise`."""
     if not by:
         return value()
-    if said and w.is_now(0.3) and (len(by) == 1 or by[0].sort != "word"):
+    if said and w.is_now(0.3) and (len(by) == 1 or by[0].kind != "word"):
         return _table(w, by[1:], value)
-    if said and (by[0].sort == "agent" or (len(by[0]) > 1 and w.is_now(0.5))):
+    if said and (by[0].kind == "agent" or (len(by[0]) > 1 and w.is_now(0.5))):
         known = [name for name in by[0].keys if not name.startswith("-")]
         keys = w.random.sample(known, w.random.randint(0, len(known) - 1))
         first, last = by[0].names[0], by[0].names[-1]
-        if by[0].sort == "number" and w.is_now(0.3) and int(last) > 0:
+        if by[0].kind == "number" and w.is_now(0.3) and int(last) > 0:
             keys = [w.random.choice((f"{last} ..", f"{max(int(first), 0)} .. {last}"))]
             keys = [] if keys[0].startswith(f"{first} .. ") else keys
         return (
@@ -231,7 +231,7 @@ def _table(w: World, by: tuple[Level, ...], value, said: bool = False) -> str:
             + ", ".join(f"{k}: {_table(w, by[1:], value)}" for k in [*keys, "otherwise"])
             + " }"
         )
-    if by[0].sort == "number" and by[0].first < 0:
+    if by[0].kind == "number" and by[0].first < 0:
         return _table(w, by[1:], value)
     keys = list(by[0].keys)
     w.random.shuffle(keys)
@@ -270,28 +270,30 @@ def a_field(w: World, name: str, sets: bool, sort: str = "") -> Field:
         case "word":
             words = r.choice(w.word_sets)
             text = f"field {name}{rows} : {{ {', '.join(words)} }} = {r.choice(words)}"
-            return Field(name, ir.Type(kind="word", words=words, by=by), text)
+            return Field(name, ir.Type(kind="word", words=words, indexed_by=by), text)
         case "agent":
             return Field(
                 name,
-                ir.Type(kind="agent", by=by),
+                ir.Type(kind="agent", indexed_by=by),
                 f"field {name}{rows} : agent{' = nobody' if w.is_now(0.3) else ''}",
             )
         case "cell":
             of = r.choice([*w.kinds, *w.groups])
-            type_ = ir.Type(kind="cell", kinds=w.kinds_of(of), by=by)
+            type_ = ir.Type(kind="cell", kinds=w.kinds_of(of), indexed_by=by)
             return Field(
                 name,
                 type_,
                 f"field {name}{rows} : cell of {of}{' = nowhere' if w.is_now(0.3) else ''}",
             )
         case "agents":
-            return Field(name, ir.Type(kind="agents", by=by), f"field {name}{rows} : set of agent")
+            return Field(
+                name, ir.Type(kind="agents", indexed_by=by), f"field {name}{rows} : set of agent"
+            )
         case "real":
             start = r.choice(("", "", " = 1.5", " = -0.25"))
             return Field(
                 name,
-                ir.Type(kind="real", unit="reward", by=by),
+                ir.Type(kind="real", unit="reward", indexed_by=by),
                 f"field {name}{rows} : reward{start}",
             )
     low, high, written, unit = r.choice((0, 0, 0, 1, -2)), r.randint(2, 9), "", "count"
@@ -302,7 +304,7 @@ def a_field(w: World, name: str, sets: bool, sort: str = "") -> Field:
     elif w.is_now(0.1):
         high, written = 300, "300"
     capped = " capped" if sort == "capped" else ""
-    type_ = ir.Type(kind="int", unit=unit, low=low, high=high, by=by)
+    type_ = ir.Type(kind="int", unit=unit, low=low, high=high, indexed_by=by)
     return Field(
         name,
         type_,
@@ -365,7 +367,7 @@ def _glyphs(w: World) -> None:
         plain = [
             f
             for f in kind.fields
-            if f.type.kind in ("word", "int", "real") and not f.type.by and not f.timer
+            if f.type.kind in ("word", "int", "real") and not f.type.indexed_by and not f.timer
         ]
         if plain and w.is_now(0.5):
             glyph = next(free)

@@ -54,7 +54,7 @@ def where(scope: Scope, depth: int) -> tuple[str, Scope]:
     if holders and w.is_now(0.15):
         text = w.random.choice(holders)
         return f"{text} is not nobody", replace(scope, sure=scope.sure | {text})
-    rows = [v for v in scope.rows("int") if len(v[1].by) == 1 and v[1].low >= 0]
+    rows = [v for v in scope.rows("int") if len(v[1].indexed_by) == 1 and v[1].low >= 0]
     if rows and w.is_now(0.15):
         text = w.random.choice(rows)[0]
         return f"sum({text}) > 0", replace(scope, filled=scope.filled | {text})

@@ -132,7 +132,7 @@ def requires(w: World) -> None:
         w.params.append(
             Number(
                 "dilemma",
-                ir.Type(kind="real", unit="reward", by=(Level("word", two[0]),) * 2),
+                ir.Type(kind="real", unit="reward", indexed_by=(Level("word", two[0]),) * 2),
                 text,
             )
         )
@@ -175,7 +175,7 @@ def define(w: World) -> None:
 
 
 def _episode(w: World) -> Lines:
-    lengths = [p.name for p in w.params if p.type.unit == "steps" and not p.type.by]
+    lengths = [p.name for p in w.params if p.type.unit == "steps" and not p.type.indexed_by]
     length = w.random.choice(("200", "25", *lengths))
     fields = [f.name for f in w.fields] + [f"agent.{f.name}" for f in w.agent_fields]
     fields += [
@@ -304,7 +304,7 @@ def looks(w: World) -> Lines:
     found = []
     for name in w.random.sample(["agent", *w.kinds, *w.groups], w.random.randint(0, 2)):
         fields = w.agent_fields if name == "agent" else w.cell_fields(w.kinds_of(name))
-        words = [f for f in fields if f.type.kind == "word" and not f.type.by]
+        words = [f for f in fields if f.type.kind == "word" and not f.type.indexed_by]
         test = ""
         if words and w.is_now(0.7):
             field = w.random.choice(words)
@@ -457,13 +457,13 @@ def changes(w: World, turns: list[str]) -> Lines:
 
 
 def _set(w: World) -> Lines:
-    plain = [p for p in w.params if p.type.kind != "word" and not p.type.by]
-    rows = [p for p in w.params if p.type.kind != "word" and len(p.type.by) == 1]
+    plain = [p for p in w.params if p.type.kind != "word" and not p.type.indexed_by]
+    rows = [p for p in w.params if p.type.kind != "word" and len(p.type.indexed_by) == 1]
     value = {"reward": "1.25", "probability": "0.25", "fraction": "0.25"}
     if rows and w.is_now(0.5):
         row = w.random.choice(rows)
         return [
-            f"set {row.name}[{w.random.choice(row.type.by[0].keys)}] = {value.get(row.type.unit, '2')}"
+            f"set {row.name}[{w.random.choice(row.type.indexed_by[0].keys)}] = {value.get(row.type.unit, '2')}"
         ]
     if not plain:
         return []
@@ -472,7 +472,7 @@ def _set(w: World) -> Lines:
 
 
 def _other_param(w: World) -> Lines:
-    plain = [p for p in w.params if p.type.by and p.type.unit == "reward"]
+    plain = [p for p in w.params if p.type.indexed_by and p.type.unit == "reward"]
     return [plain[0].text.split(" in ")[0]] if plain else [param(w, "extra").text]
 
 

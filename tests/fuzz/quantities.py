@@ -175,8 +175,8 @@ def written(scope: Scope, kind: str, unit: str) -> Typed:
 def entry(scope: Scope, row: Typed, depth: int) -> Typed | None:
     """Returns one entry of a row or table."""
     text, type_ = row
-    while type_.by:
-        key = key_for(scope, type_.by[0], depth)
+    while type_.indexed_by:
+        key = key_for(scope, type_.indexed_by[0], depth)
         if not key:
             return None
         text, type_ = f"{text}[{key}]", element(type_)
@@ -187,7 +187,7 @@ def key_for(scope: Scope, level: Level, depth: int) -> str:
     """Returns what an entry of a row can be asked for by here; empty if nothing can."""
     from tests.fuzz.conditions import somebody, word
 
-    match level.sort:
+    match level.kind:
         case "word":
             found = word(scope, level.names, depth)
             return found[0] if found else ""
@@ -338,19 +338,21 @@ def total(scope: Scope, kind: str, unit: str, depth: int) -> Typed:
     from tests.fuzz.members import domain
 
     r = scope.world.random
-    rows = [v for v in scope.rows(kind) if v[1].unit in (unit, "number") and len(v[1].by) == 1]
+    rows = [
+        v for v in scope.rows(kind) if v[1].unit in (unit, "number") and len(v[1].indexed_by) == 1
+    ]
     if rows and r.random() < 0.5:
         text, type_ = r.choice(rows)
-        n = len(type_.by[0])
+        n = len(type_.indexed_by[0])
         if r.random() < 0.3:
             return f"{r.choice(('min', 'max'))}({text})", element(type_)
-        least = 1 if type_.by[0].sort == "agent" else n  # a variant may have fewer agents
+        least = 1 if type_.indexed_by[0].kind == "agent" else n  # a variant may have fewer agents
         low, high = (
             type_.low * (least if type_.low > 0 else n),
             type_.high * (least if type_.high < 0 else n),
         )
         return f"sum({text})", _beyond_one(
-            type_.model_copy(update={"by": (), "low": low, "high": high})
+            type_.model_copy(update={"indexed_by": (), "low": low, "high": high})
         )
     text, inner, most = domain(scope, depth - 1, counted=True)
     value, type_ = (integer if kind == "int" else real)(inner, unit, min(depth - 1, 1))
@@ -461,15 +463,15 @@ def expected(scope: Scope, unit: str) -> Typed | None:
     tables = [
         p
         for p in scope.world.params
-        if p.type.by and p.type.kind in ("int", "real") and p.type.unit == unit
+        if p.type.indexed_by and p.type.kind in ("int", "real") and p.type.unit == unit
     ]
     for table in r.sample(tables, len(tables)):
         text, type_ = table.name, table.type
-        for words in table.type.by:
+        for words in table.type.indexed_by:
             filled = [
                 v
                 for v in scope.rows("int")
-                if v[0] in scope.filled and v[1].by == (words,) and v[1].low >= 0
+                if v[0] in scope.filled and v[1].indexed_by == (words,) and v[1].low >= 0
             ]
             if filled and r.random() < 0.7:
                 text = f"{text}[mix({r.choice(filled)[0]})]"

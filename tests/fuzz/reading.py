@@ -133,10 +133,10 @@ class Scope:
 
     def single_values(self, kind: str) -> list[Typed]:
         """Returns the values of a kind that are one value, not a row."""
-        return [v for v in self.values if v[1].kind == kind and not v[1].by]
+        return [v for v in self.values if v[1].kind == kind and not v[1].indexed_by]
 
     def rows(self, kind: str) -> list[Typed]:
-        return [v for v in self.values if v[1].kind == kind and v[1].by]
+        return [v for v in self.values if v[1].kind == kind and v[1].indexed_by]
 
     def nobodies(self) -> list[str]:
         """Returns the fields here that hold an agent or nobody."""

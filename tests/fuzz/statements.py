@@ -237,7 +237,7 @@ def _weights(scope: Scope, words: list[str]) -> str:
     chances = [
         p.name
         for p in scope.world.params
-        if p.type.unit == "probability" and not p.type.by and p.type.high <= 0.5
+        if p.type.unit == "probability" and not p.type.indexed_by and p.type.high <= 0.5
     ]
     if chances and r.random() < 0.6:
         given = [
@@ -295,7 +295,7 @@ def tally(scope: Scope, _phase: Phase) -> Lines:
     event = r.choice(w.events)
     text = event.name
     if event.by:
-        key = key_for(scope, event.by, 2) or (event.by.names[0] if event.by.sort == "word" else "")
+        key = key_for(scope, event.by, 2) or (event.by.names[0] if event.by.kind == "word" else "")
         if not key:
             return []
         text += f"[{key}]"

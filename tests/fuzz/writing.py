@@ -72,7 +72,7 @@ def _write_one(
         all(x.single for x in scope.frames) if owner is None else is_own(owner, scope)
     )
     text += f"[{entry}]" if entry else ""
-    f = replace(f, type=f.type.model_copy(update={"by": ()})) if entry else f
+    f = replace(f, type=f.type.model_copy(update={"indexed_by": ()})) if entry else f
     bold = w.is_now(BOLD)
     sums = f.type.kind in ("int", "real", "agents") and not f.timer
     if sums and w.is_now(0.55 if own else 0.8):
@@ -100,7 +100,11 @@ def _write_one(
 
 def _own_entry(scope: Scope, owner: Variable | None, f: Field) -> str:
     """Returns the agent whose entry of a row by agent each instance has for itself; empty if there is none."""
-    if not f.type.by or f.type.by[0].sort != "agent" or (owner is not None and owner.frame < 0):
+    if (
+        not f.type.indexed_by
+        or f.type.indexed_by[0].kind != "agent"
+        or (owner is not None and owner.frame < 0)
+    ):
         return ""
     left = {i for i, frame in enumerate(scope.frames) if not frame.single} - (
         {owner.frame} if owner is not None else set()
@@ -132,11 +136,11 @@ def of_target_alone(scope: Scope, owner: Variable | None) -> Scope:
 
 def _target(scope: Scope, f: Field, text: str, made: Typed) -> str:
     """Returns the field, an entry of it, or the whole row."""
-    if not f.type.by or made[1].by:
+    if not f.type.indexed_by or made[1].indexed_by:
         return text
     if scope.world.is_now(0.3):
         return text
-    key = key_for(scope, f.type.by[0], 1)
+    key = key_for(scope, f.type.indexed_by[0], 1)
     return f"{text}[{key}]" if key else text
 
 
@@ -146,17 +150,19 @@ def value(scope: Scope, f: Field, depth: int) -> Typed | None:
     rows = [
         v
         for v in scope.values
-        if v[1].by == type_.by and v[1].kind == type_.kind and v[1].unit == type_.unit
+        if v[1].indexed_by == type_.indexed_by
+        and v[1].kind == type_.kind
+        and v[1].unit == type_.unit
     ]
     rows = [
         v
         for v in rows
         if type_.low <= v[1].low and v[1].high <= type_.high and set(v[1].words) <= set(type_.words)
     ]
-    if type_.by and rows and w.is_now(0.25):
+    if type_.indexed_by and rows and w.is_now(0.25):
         return w.random.choice(rows)
-    one = type_.model_copy(update={"by": ()})
-    if type_.by and rows and type_.by[0].sort != "agent" and w.is_now(0.4):
+    one = type_.model_copy(update={"indexed_by": ()})
+    if type_.indexed_by and rows and type_.indexed_by[0].kind != "agent" and w.is_now(0.4):
         filler = value(scope, replace(f, type=one), depth)
         if filler is not None:
             return (
@@ -209,9 +215,11 @@ def _add(
     rows = [
         v
         for v in scope.values
-        if v[1].by == type_.by and v[1].kind == type_.kind and v[1].unit in (type_.unit, "number")
+        if v[1].indexed_by == type_.indexed_by
+        and v[1].kind == type_.kind
+        and v[1].unit in (type_.unit, "number")
     ]
-    if type_.by and not guarded:
+    if type_.indexed_by and not guarded:
         whole = w.is_now(0.4)
         if whole and not rows:
             return []
@@ -237,10 +245,10 @@ def _add(
 
 
 def _entry(scope: Scope, f: Field, text: str) -> str:
-    if not f.type.by:
+    if not f.type.indexed_by:
         return text
-    key = key_for(scope, f.type.by[0], 1) or (
-        f.type.by[0].names[0] if f.type.by[0].sort == "word" else ""
+    key = key_for(scope, f.type.indexed_by[0], 1) or (
+        f.type.indexed_by[0].names[0] if f.type.indexed_by[0].kind == "word" else ""
     )
     return f"{text}[{key}]" if key else ""
 

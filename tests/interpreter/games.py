@@ -36,7 +36,7 @@ def number(value: int | float) -> ir.Number:
 
 
 def word_type(*words: str, by: tuple[ir.Level, ...] = ()) -> ir.Type:
-    return ir.Type(kind="word", words=words, by=by)
+    return ir.Type(kind="word", words=words, indexed_by=by)
 
 
 def word(value: str, *others: str) -> ir.Word:

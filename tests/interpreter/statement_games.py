@@ -8,7 +8,7 @@ from . import games as g
 
 RG = ("red", "green")
 COLOUR = g.word_type("none", *RG)
-BAG = ir.Type(kind="int", unit="count", low=0, high=5, by=(ir.Level("word", RG),))
+BAG = ir.Type(kind="int", unit="count", low=0, high=5, indexed_by=(ir.Level("word", RG),))
 SMALL = ir.Type(kind="int", unit="count", low=0, high=9)
 SOIL = g.kind(
     "soil", "A", g.var("cell", "fruit", COLOUR, start="none"), g.var("cell", "hits", SMALL, start=0)

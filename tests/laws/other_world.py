@@ -67,7 +67,7 @@ def _herd(sort: str, herd: Herd, game: ir.Game, s: Symmetry) -> Herd:
 def other_outcome(game: ir.Game, outcome: Outcome, s: Symmetry) -> Outcome:
     """Returns what a step gave, to the agents by their new numbers."""
     per_agent = {e.name for e in game.events if e.per_agent}
-    entries = {e.name for e in game.events if e.by and e.by.sort == "agent"}
+    entries = {e.name for e in game.events if e.by and e.by.kind == "agent"}
     events = outcome.events | {
         n: [_agents(row, s) for row in outcome.events[n]] for n in entries & per_agent
     }
@@ -107,7 +107,7 @@ def _renamed(plane: Plane, s: Symmetry) -> str:
     name, entry = plane.name, None if plane.observable is None else plane.observable.word
     if plane.agent is not None:
         name = name.replace(f"[{plane.agent}]", f"[{s.order[plane.agent]}]", 1)
-    if entry is not None and entry.level.sort == "agent":
+    if entry is not None and entry.level.kind == "agent":
         name = f"{name.removesuffix(f'[{entry.key}]')}[{s.order[entry.place]}]"
     return name
 
@@ -148,12 +148,12 @@ def _agents(values: list[Any], s: Symmetry) -> list[Any]:
 
 def _value(value: Value, type_: ir.Type, s: Symmetry) -> Value:
     """Returns a value of a field, which may name agents and cells."""
-    if type_.kind == "cell" and not type_.by:
+    if type_.kind == "cell" and not type_.indexed_by:
         return None if value is None else s.cell(value)
     if isinstance(value, tuple):
-        inner = type_.model_copy(update={"by": type_.by[1:]})
+        inner = type_.model_copy(update={"indexed_by": type_.indexed_by[1:]})
         entries = [_value(v, inner, s) for v in value]
-        return tuple(_agents(entries, s) if type_.by[0].sort == "agent" else entries)
+        return tuple(_agents(entries, s) if type_.indexed_by[0].kind == "agent" else entries)
     match type_.kind:
         case "agents":
             return frozenset(s.order[agent] for agent in value)

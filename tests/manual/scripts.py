@@ -83,7 +83,7 @@ def given_params(game: ir.Game, given: dict[str, str]) -> dict[str, Any]:
         )
         values[name] = _replaced(
             values.get(name, declared.value),
-            [by.place_of(w) for by, w in zip(declared.type.by, words, strict=True)],
+            [by.place_of(w) for by, w in zip(declared.type.indexed_by, words, strict=True)],
             value,
         )
     return values

@@ -46,7 +46,7 @@ def test_no_check_fails_in_a_few_trajectories(game: str) -> None:
     """
     family = GameFamily(read_source(find_game(game)))
     report = verify_properties(
-        family, FEW, [i for i, check in enumerate(family.own.checks) if check.sort != "expect"]
+        family, FEW, [i for i, check in enumerate(family.own.checks) if check.kind != "expect"]
     )
     assert [
         (v.text, v.status) for v in report.verdicts if v.status in ("failed", "not decided")

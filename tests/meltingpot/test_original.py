@@ -153,7 +153,9 @@ def test_what_follows_a_meeting(name: str) -> None:
     figures = ORIGINAL["meetings"][name]
     place = stage(name, ("PPPP....", "........", ".......1"), 2)
     words = next(
-        field.type.by[0].names for field in place.env.game.agents.fields if field.name == "bag"
+        field.type.indexed_by[0].names
+        for field in place.env.game.agents.fields
+        if field.name == "bag"
     )
     bags = {
         "agent.bag": {

@@ -106,7 +106,7 @@ def hunt(family: GameFamily, seed: int, worlds: int, hunted: Hunted, stepped: in
     """Looks for counterexamples of all that is proved of a game. `stepped`: the worlds from which a step is taken."""
     random, numbers = Random(seed), proved(family)
     by_sort = {
-        sort: [n for n in numbers if family.own.checks[n].sort == sort]
+        sort: [n for n in numbers if family.own.checks[n].kind == sort]
         for sort in (*STATES, "conserved", "symmetric")
     }
     of_states = [n for sort in STATES for n in by_sort[sort]]
@@ -127,7 +127,7 @@ def hunt(family: GameFamily, seed: int, worlds: int, hunted: Hunted, stepped: in
         counted += [number] if steps else []
         hunted.worlds += steps
         _note(next((where for _, where in results if where), ""), number, family, hunted)
-    hunted.proofs.update(family.own.checks[number].sort for number in counted)
+    hunted.proofs.update(family.own.checks[number].kind for number in counted)
 
 
 def _note(where: str, number: int, family: GameFamily, hunted: Hunted) -> None:
@@ -178,7 +178,7 @@ def _hunt_states(
     if not numbers:
         return
     values = [
-        game.checks[n].values if game.checks[n].sort == "monotone" else game.checks[n].values[-1:]
+        game.checks[n].values if game.checks[n].kind == "monotone" else game.checks[n].values[-1:]
         for n in numbers
     ]
     lowered = lower_checks(game, [e for some in values for e in some])
@@ -199,10 +199,10 @@ def _hunt_states(
         check = game.checks[number]
         wrong = (
             _turns(columns, check.words[0] == "rising")
-            if check.sort == "monotone"
+            if check.kind == "monotone"
             else np.flatnonzero(columns[:, 0] == 0)
         )
-        if check.sort != "monotone" and not columns_after.all():
+        if check.kind != "monotone" and not columns_after.all():
             at_step = int(np.flatnonzero(columns_after[:, 0] == 0)[0])
             state = {name: value[at_step].tolist() for name, value in after.state.items()}
             _note(

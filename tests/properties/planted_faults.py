@@ -188,7 +188,7 @@ def faulty(name: str) -> GameFamily:
 def look_for(name: str, effort: Effort) -> Report:
     """Returns what is found of a fault: the verdict on the check that it breaks."""
     family = faulty(name)
-    states = [number for number, check in enumerate(family.own.checks) if check.sort in STATES]
+    states = [number for number, check in enumerate(family.own.checks) if check.kind in STATES]
     return verify_properties(family, effort, [states[1 if name == "crates" else 0]])
 
 

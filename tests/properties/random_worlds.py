@@ -52,7 +52,7 @@ def random_params(
     counts: some values of whole numbers without a limit; by default none with which play leaves int32.
     """
     own = {p.name: p.value for p in game.params}
-    requires = [c.values[0] for c in game.checks if c.sort == "require"]
+    requires = [c.values[0] for c in game.checks if c.kind == "require"]
     for _ in range(40):
         changed = own | {
             p.name: _value(p.value, p.type, random, counts)
@@ -65,8 +65,8 @@ def random_params(
 
 
 def _value(own: Any, type_: ir.Type, random: Random, counts: Sequence[int]) -> Any:
-    if type_.by:
-        inner = type_.model_copy(update={"by": type_.by[1:]})
+    if type_.indexed_by:
+        inner = type_.model_copy(update={"indexed_by": type_.indexed_by[1:]})
         return tuple(_value(entry, inner, random, counts) for entry in own)
     if type_.kind == "word":
         return random.choice(type_.words)

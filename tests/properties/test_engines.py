@@ -38,7 +38,7 @@ def assert_engines_agree(family: GameFamily, seed: int) -> None:
     """Plays three episodes of each `expect` on both engines."""
     runner = EpisodeRunner(family, seed)
     runner.checks = dict(enumerate(family.own.checks))
-    for check in (c for c in family.own.checks if c.sort == "expect"):
+    for check in (c for c in family.own.checks if c.kind == "expect"):
         compiled = runner.play_compiled(check.policies, 0, 3)
         interpreted = [runner.play_interpreted(check.policies, number) for number in range(3)]
         for mine, theirs in zip(compiled, interpreted, strict=True):

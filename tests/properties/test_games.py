@@ -90,7 +90,7 @@ def number_of(family: GameFamily, check_text: str) -> int:
         i
         for i, check in enumerate(checks)
         if family.text_of(check).startswith(check_text)
-        or check.sort == check_text.split()[0] == "symmetric"
+        or check.kind == check_text.split()[0] == "symmetric"
     ]
     assert len(found) == 1, f"{check_text}: {len(found)} checks begin so"
     return found[0]
@@ -108,7 +108,7 @@ SLOW = {"coop_mining", "harvest_closed", "harvest_partnership"}  # whose checks 
 )
 def test_checks_pass(game: str) -> None:
     family = GameFamily(read_source(find_game(game)))
-    played = [i for i, check in enumerate(family.own.checks) if check.sort != "expect"]
+    played = [i for i, check in enumerate(family.own.checks) if check.kind != "expect"]
     report = verify_properties(family, FEW, played)
     assert [v.text for v in report.verdicts if not v.passed] == []
 
@@ -117,7 +117,7 @@ def test_checks_pass(game: str) -> None:
 def test_expectations_pass_on_the_small_map(game: str, tmp_path: Path) -> None:
     """What the faults are compared with: without a fault these short episodes meet every expectation."""
     family = shortened(folder_of(game, (), tmp_path), game)
-    expects = [i for i, check in enumerate(family.own.checks) if check.sort == "expect"]
+    expects = [i for i, check in enumerate(family.own.checks) if check.kind == "expect"]
     assert [v.text for v in verify_properties(family, FEW, expects).verdicts if not v.passed] == []
 
 

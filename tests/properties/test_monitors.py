@@ -31,7 +31,7 @@ TRAJECTORIES: list[tuple[str, tuple[str, ...], list[tuple[Any, ...]], Violation 
 def test_violations(
     sort: str, words: tuple[str, ...], values: list[tuple[Any, ...]], wanted: Violation | None
 ) -> None:
-    assert find_violation(ir.Check(sort=sort, words=words), values) == wanted  # type: ignore[arg-type]
+    assert find_violation(ir.Check(kind=sort, words=words), values) == wanted  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("trials", [1, 3, 30, 1000])

@@ -10,7 +10,7 @@ from sjdsl.library.games_folder import find_game
 from sjdsl.render.appearance import Drawing
 from sjdsl.render.board import draw_tile
 from sjdsl.render.colours import BARS
-from sjdsl.render.legend import cell_entries
+from sjdsl.render.legend import legend_entries
 from sjdsl.render.look import make_look
 from sjdsl.render.usual import Picture
 from sjdsl.render.vector import SIZE
@@ -20,9 +20,8 @@ RED, BLUE = (213, 94, 0), (0, 114, 178)
 
 @pytest.mark.parametrize("name", ["clean_up", "mushrooms", "coop_mining", "territory"])
 def test_tiles_look_alike_in_all_sizes(name: str) -> None:
-    drawings = {
-        drawing for drawing, _ in cell_entries(make_look(build(read_source(find_game(name))).game))
-    }
+    entries = legend_entries(make_look(build(read_source(find_game(name))).game))
+    drawings = {drawing for drawing, _ in entries if isinstance(drawing, Drawing)}
     assert len(drawings) > 3
     small = {drawing: draw_tile(drawing, 24).astype(int) for drawing in drawings}
     for drawing in drawings:

@@ -40,7 +40,7 @@ def at_random(game: ir.Game) -> ByEpisode:
 def put(effect: Effect, game: ir.Game, world: World) -> None:
     """Makes one change of a state."""
     owner = effect.owner
-    match effect.sort:
+    match effect.changed:
         case "field":
             name, *words = effect.name.removesuffix("]").replace("][", "[").split("[")
             if owner is None:
@@ -64,7 +64,7 @@ def put(effect: Effect, game: ir.Game, world: World) -> None:
             headings[owner.number] = HEADINGS[effect.new]
         case "place" | "away" | "moved" if isinstance(owner, Mover):
             herd = world.movers[owner.sort]
-            lists = {"place": herd.position, "away": herd.away, "moved": herd.moved}[effect.sort]
+            lists = {"place": herd.position, "away": herd.away, "moved": herd.moved}[effect.changed]
             assert lists[owner.number] == effect.old
             lists[owner.number] = effect.new
         case "place" | "heading" | "away" | "moved":
@@ -73,7 +73,7 @@ def put(effect: Effect, game: ir.Game, world: World) -> None:
                 "heading": world.heading,
                 "away": world.away,
                 "moved": world.moved,
-            }[effect.sort]
+            }[effect.changed]
             assert states[owner] == effect.old
             states[owner] = effect.new
         case _:
@@ -86,7 +86,7 @@ def entered(whole: object, effect: Effect, words: list[str]) -> object:
         assert whole == effect.old
         return effect.new
     assert effect.type is not None
-    levels = effect.type.by[len(effect.type.by) - len(words) :]
+    levels = effect.type.indexed_by[len(effect.type.indexed_by) - len(words) :]
     number = levels[0].keys.index(words[0])
     return (*whole[:number], entered(whole[number], effect, words[1:]), *whole[number + 1 :])  # type: ignore[index]
 
@@ -113,7 +113,10 @@ def check_step(game: ir.Game, before: World, moment: Moment) -> None:
         put(effect, game, world)
     assert state_of(world) == state_of(moment.world)
     marks = {
-        (cell.row, cell.col) for effect in effects if effect.sort == "mark" for cell in effect.new
+        (cell.row, cell.col)
+        for effect in effects
+        if effect.changed == "mark"
+        for cell in effect.new
     }
     assert marks == {(row, col) for _, row, col in moment.world.marks}
     ticks = {id(effect) for turn in moment.turns if turn.label == "tick" for effect in turn.effects}
@@ -125,15 +128,15 @@ def check_step(game: ir.Game, before: World, moment: Moment) -> None:
     rewards = [0.0 for _ in before.position]
     counts = {event.name: 0 for event in game.events}
     for effect in effects:
-        if effect.sort == "reward":
+        if effect.changed == "reward":
             rewards[effect.owner] += effect.new
-        if effect.sort == "event":
+        if effect.changed == "event":
             counts[effect.name.partition("[")[0]] += effect.new
     np.testing.assert_allclose(
         moment.outcome.reward, rewards, rtol=1e-6, atol=1e-6
     )  # each phase rounds
     assert counts == {name: int(np.sum(count)) for name, count in moment.outcome.events.items()}
-    assert moment.outcome.terminated == any(effect.sort == "end" for effect in effects)
+    assert moment.outcome.terminated == any(effect.changed == "end" for effect in effects)
 
 
 @pytest.mark.thorough
@@ -206,7 +209,7 @@ def test_the_word_told_is_the_one_that_chose_the_cell() -> None:
             effect.owner: effect
             for turn in start.turns
             for effect in turn.effects
-            if effect.sort == "place"
+            if effect.changed == "place"
         }
         assert [*told] == [0, 1, 2, 3, 4]
         for effect in told.values():
@@ -329,20 +332,20 @@ def lines_of(moment: Moment) -> list[str]:
     for effect in (effect for turn in moment.turns for effect in turn.effects):
         line = game_line(effect.by[0].statement) if effect.by else "-"
         old, new = (
-            value.ticks if effect.sort == "away" and value else value
+            value.ticks if effect.changed == "away" and value else value
             for value in (effect.old, effect.new)
         )
         old, new = (
             f"({value.row}, {value.col})" if isinstance(value, Cell) else value
             for value in (old, new)
         )
-        match effect.sort:
+        match effect.changed:
             case "reward" | "event":
                 found.append(f"{effect.name or 'reward'} {new:+} {line}")
             case "end":
                 found.append(f"end {line}")
             case _:
-                found.append(f"{effect.name or effect.sort} {old} -> {new} {line}")
+                found.append(f"{effect.name or effect.changed} {old} -> {new} {line}")
     return found
 
 
@@ -362,7 +365,7 @@ def test_the_way_told_is_the_one_that_was_drawn() -> None:
         (agent,) = start.world.position
         open_ = [cell for cell in ways if cell in board_of(game).kind_of and cell != agent]
         (gone,) = [
-            effect for turn in moment.turns for effect in turn.effects if effect.sort == "place"
+            effect for turn in moment.turns for effect in turn.effects if effect.changed == "place"
         ]
         (used,) = (used for used in gone.draws if used.purpose == "which way")
         assert (gone.owner, gone.old, gone.new) == (Mover("hen", 0), before, after)

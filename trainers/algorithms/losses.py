@@ -9,6 +9,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from ..devices.data_parallel import mean_of_all
+from ..networks.action_values import values_of_actions
 from ..networks.architectures import Memory
 from ..settings.config import PPOConfig
 from .training_functions import Metrics
@@ -46,7 +47,7 @@ class Batch:
 
 def chosen_log_probability(logits: Array, action: Array) -> Array:
     """Returns the log probability `[...]` of each action under logits `[..., A]`."""
-    return jnp.take_along_axis(jax.nn.log_softmax(logits), action[..., None], axis=-1)[..., 0]
+    return values_of_actions(jax.nn.log_softmax(logits), action)
 
 
 def normalised(advantage: Array, config: PPOConfig) -> Array:

@@ -79,4 +79,5 @@ def draw_orders(key: Array, number: int, config: PPOConfig | VDNConfig) -> Array
     group = jnp.arange(groups)[:, None, None, None]
     orders = (step * groups + group) * envs + env
     orders = orders.reshape(groups, number, config.num_epochs, config.num_minibatches, -1)
+    # A minibatch is its part of every group, one after the other.
     return jnp.moveaxis(orders, 0, 3).reshape(number, config.num_epochs, config.num_minibatches, -1)

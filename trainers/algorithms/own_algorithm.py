@@ -34,6 +34,7 @@ def make_own(env: Environment, config: PPOConfig) -> Train:
         )
 
     def learn(state: TrainState, played: Any) -> tuple[TrainState, Metrics]:
+        """Learns as the user's run does, once its metrics are known to be whole."""
         after, metrics = program.learn(state, played)
         missing = [figure for figure in NEEDED if figure not in metrics]
         if missing:

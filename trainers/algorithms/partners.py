@@ -23,9 +23,7 @@ class Partners:
 
     def start(self, num_envs: int) -> Any:
         """Returns their memory before the first step of B environments: leaves `[B, ...]`."""
-        return jax.tree.map(
-            lambda leaf: jnp.broadcast_to(leaf, (num_envs, *jnp.shape(leaf))), self.policy.start
-        )
+        return self.policy.starts(num_envs)
 
     def act(
         self,

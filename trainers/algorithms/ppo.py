@@ -47,11 +47,12 @@ from .rollout import (
     Rollout,
     Worlds,
     collect_rollout,
+    if_any_truncated,
     rollout_metrics,
     start_worlds,
 )
 from .shaping import make_shaping
-from .training_functions import Metrics, Train, TrainState, keep_if_finite
+from .training_functions import Metrics, Train, TrainState, keep_if_finite, with_parameters
 
 
 @flax.struct.dataclass
@@ -91,6 +92,7 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
     learning = jnp.asarray(learning_agents(env.num_agents, config))
 
     def init(key: Array) -> TrainState:
+        """Returns the state before the first update, with a learner for each team, `[G, ...]`."""
         key, network_key, worlds_key = jax.random.split(key, 3)
         memory = networks.start_memory(config.num_envs)
         worlds = start_worlds(env, config.num_envs, memory, worlds_key, partners)
@@ -103,6 +105,7 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
         return collect_rollout(env, actor, worlds, key, config.num_steps, shaping, partners)
 
     def collect(state: TrainState) -> tuple[TrainState, Played]:
+        """Plays a rollout, on each device in its own environments."""
         key, rollout_key = jax.random.split(state.key)
         play_all = over_devices(
             play, in_specs=(ALL, OF_ENVS, ALL), out_specs=(OF_ENVS, SECOND_OF_ENVS, ALL, ALL)
@@ -126,6 +129,7 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
         return learner, losses, batch.value[..., learning], batch.target[..., learning]
 
     def learn(state: TrainState, played: Played) -> tuple[TrainState, Metrics]:
+        """Takes the gradient steps of one rollout."""
         rollout = played.rollout
         before = state.learner
         key, shuffle_key = jax.random.split(state.key)
@@ -146,16 +150,14 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
         }
         return state.after_update(key, learner, losses["loss"]), metrics
 
-    def adopt(state: TrainState, parameters: Any) -> TrainState:
-        return replace(state, learner=replace(state.learner, params=parameters))
-
-    return Train(init, collect, learn, lambda state: state.learner.params, adopt)
+    return Train(init, collect, learn, lambda state: state.learner.params, with_parameters)
 
 
 def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Actor:
     """Returns how agents with these parameters act: each draws its action independently."""
 
     def act(worlds: Worlds, key: Array) -> tuple[Memory, Array, Acting]:
+        """Returns the memory afterwards, drawn actions `[B, N]`, and what learning needs of them."""
         memory, logits, value = _forward(
             networks, parameters, worlds.memory, worlds.observation, worlds.state, worlds.fresh
         )
@@ -168,26 +170,21 @@ def make_actor(env: Environment, networks: ActorCritics, parameters: Any) -> Act
 
     def follow(memory: Memory, info: dict[str, Any]) -> Array:
         """Returns the values `[B, N]` of the observations at which episodes were cut."""
-        truncated = info["truncated"]
         if networks.state_vector is not None and "terminal_state" not in info:
             raise ConfigError(
                 f"`{env.name}` gives no terminal_state in the info of a step; "
                 'choose critic = "observations"'
             )
 
-        def read_last() -> Array:
-            fresh = jnp.zeros_like(truncated)
+        def terminal_values() -> Array:
+            """Returns the values `[B, N]` of terminal observations."""
+            fresh = jnp.zeros_like(info["truncated"])
             observation = info["terminal_observation"]
             state = info.get("terminal_state")
             _, _, values = _forward(networks, parameters, memory, observation, state, fresh)
             return values
 
-        def read_nothing() -> Array:
-            return jnp.zeros((truncated.shape[0], env.num_agents), jnp.float32)
-
-        # Most steps end no episode, and then the second forward pass is skipped.
-        values: Array = jax.lax.cond(truncated.any(), read_last, read_nothing)
-        return values
+        return if_any_truncated(info, terminal_values)
 
     return Actor(
         act,
@@ -273,6 +270,7 @@ def learn_teams(
     def learn_team(
         learner: Learner, orders: Array, agents: Array, memory: Memory
     ) -> tuple[Learner, Metrics]:
+        """Learns with one team's learner, orders `[epochs, minibatches, m]` and memory."""
         of_team = replace(batch, memory=memory)
         apply = cast(Apply, networks.network.apply)
         return take_epochs(learner, of_team, orders, agents, apply, networks, config)
@@ -304,6 +302,7 @@ def take_epochs(
     loss = jax.value_and_grad(loss_of(config), has_aux=True)
 
     def take_step(learner: Learner, indices: Array) -> tuple[Learner, Metrics]:
+        """Takes one gradient step on the sequences of a minibatch."""
         minibatch = take_minibatch(batch, indices, agents, networks)
         (value, losses), gradients = mean_of_all(
             loss(learner.params, lambda *seen: apply(*seen, agents), minibatch, config)

@@ -90,9 +90,16 @@ def start_worlds(
     )
 
 
-def rewarded_steps(reward: Array) -> Array:
-    """Returns the share of steps in which some agent's reward isn't 0, of rewards `[T, B, N]`."""
-    return (reward != 0).any(axis=-1).mean()
+def if_any_truncated(info: Mapping[str, Any], terminal_values: Callable[[], Array]) -> Array:
+    """Returns the values of terminal observations, or zeros if no episode was cut.
+
+    Most steps cut none, and then the second forward pass of the networks is skipped.
+    """
+    form = jax.eval_shape(terminal_values)
+    values: Array = jax.lax.cond(
+        info["truncated"].any(), terminal_values, lambda: jnp.zeros(form.shape, form.dtype)
+    )
+    return values
 
 
 def rollout_metrics(
@@ -102,7 +109,8 @@ def rollout_metrics(
     return {
         **mean_episode(finished),
         "reward_per_step": rollout.reward.sum(axis=-1).mean(),
-        "rewarded_steps": rewarded_steps(rollout.reward),
+        # the share of steps in which some agent's reward isn't 0
+        "rewarded_steps": (rollout.reward != 0).any(axis=-1).mean(),
         "metric": measured,
     }
 
@@ -134,6 +142,7 @@ def collect_rollout(
     def advance(
         worlds: Worlds, key: Array
     ) -> tuple[Worlds, tuple[Rollout, FinishedEpisodes, dict[str, Array]]]:
+        """Plays one step of all environments, and begins new episodes where one ended."""
         action_key, env_key, *others = jax.random.split(key, 3 if partners.agents else 2)
         memory, action, acting = actor.act(worlds, action_key)
         partners_memory = worlds.partners

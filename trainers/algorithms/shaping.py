@@ -48,6 +48,7 @@ def make_shaping(config: Config, num_agents: int) -> Shaping:
     angles = jnp.asarray([angle * (math.pi / 180) for angle in degrees], jnp.float32)
 
     def shape(step: Step) -> Array:
+        """Returns the shaped rewards `[B, N]` of a step."""
         reward = step.reward
         trace = step.trace
         match config.reward:
@@ -151,7 +152,7 @@ def svo_deviation(trace: Array, sought: Array, at_rest: str, quadrant: bool) -> 
     angle; `quadrant` clips it.
 
     Args:
-      trace: `[..., N]`.
+      trace: `[..., N]`, decayed sums of rewards (`Shaping`), in place of the rewards themselves.
       sought: `[N]` radians.
     Returns:
       `[..., N]` |theta - sought|, the plain difference of angles from -pi to pi.

@@ -44,6 +44,11 @@ class TrainState:
         )
 
 
+def with_parameters(state: TrainState, parameters: Any) -> TrainState:
+    """Returns a state whose learner, of flax, has other parameters."""
+    return replace(state, learner=replace(state.learner, params=parameters))
+
+
 @dataclass(frozen=True)
 class Train:
     """A training run as pure functions, which can be jitted, and vmapped or mapped over seeds."""

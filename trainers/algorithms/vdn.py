@@ -15,7 +15,13 @@ from flax.training.train_state import TrainState as Learner
 from jax import Array
 
 from ..environment import Environment, MaskedEnvironment, array_shape, reset_shapes
-from ..networks.action_values import best_action, exploration, explore, make_action_values
+from ..networks.action_values import (
+    best_action,
+    exploration,
+    explore,
+    make_action_values,
+    values_of_actions,
+)
 from ..networks.actor_critics import packing_of
 from ..networks.architectures import ActionValues
 from ..networks.masks import allowed_in, masked, pack_mask, unpack_mask, wants_masks
@@ -70,6 +76,7 @@ def make_vdn(env: Environment, config: VDNConfig, partners: Partners) -> Train:
     masks = wants_masks(env, config)
 
     def init(key: Array) -> TrainState:
+        """Returns the state before the first update, with an empty replay buffer."""
         key, network_key, worlds_key = jax.random.split(key, 3)
         worlds = start_worlds(env, config.num_envs, (), worlds_key, partners)
         parameters = network.init(network_key, worlds.observation[:1])
@@ -81,6 +88,7 @@ def make_vdn(env: Environment, config: VDNConfig, partners: Partners) -> Train:
         return TrainState.start(key, learner, worlds)
 
     def collect(state: TrainState) -> tuple[TrainState, Any]:
+        """Plays a rollout into the replay buffer."""
         key, rollout_key = jax.random.split(state.key)
         epsilon = exploration(config, state.updates)
         actor = make_actor(env, network, packing, masks, state.learner.online.params, epsilon)
@@ -93,6 +101,7 @@ def make_vdn(env: Environment, config: VDNConfig, partners: Partners) -> Train:
         return replace(state, key=key, worlds=worlds, learner=learner), metrics
 
     def learn(state: TrainState, of_rollout: Metrics) -> tuple[TrainState, Metrics]:
+        """Takes gradient steps on batches of the buffer, once it is full enough."""
         key, learn_key = jax.random.split(state.key)
         before = state.learner.online
         target = state.learner.target
@@ -199,6 +208,7 @@ def take_gradient_steps(
     """Takes `gradient_steps` steps, each on a new batch; losses are means over them."""
 
     def take_step(online: Learner, key: Array) -> tuple[Learner, Metrics]:
+        """Takes one gradient step on a batch drawn from the buffer."""
         drawn = draw_entries(replay, key, config.batch_size)
         batch = drawn.replace(
             observation=packing.unpack(drawn.observation),
@@ -240,11 +250,6 @@ def vdn_loss(
     wanted = batch.reward + config.gamma * jnp.where(batch.ended, 0.0, of_team(following))
     loss = jnp.square(team_value - jax.lax.stop_gradient(wanted)).mean()
     return loss, {"loss": loss, "team_value": team_value.mean()}
-
-
-def values_of_actions(values: Array, action: Array) -> Array:
-    """Returns the values of the given actions `[...]` from those of all actions `[..., A]`."""
-    return jnp.take_along_axis(values, action[..., None], axis=-1)[..., 0]
 
 
 def follow_target(target: Any, online: Any, updates: Array, config: VDNConfig) -> Any:

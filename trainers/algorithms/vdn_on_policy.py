@@ -16,7 +16,7 @@ from flax.training.train_state import TrainState as Learner
 from jax import Array
 
 from ..environment import Environment
-from ..networks.action_values import exploration, explore, make_action_values
+from ..networks.action_values import exploration, explore, make_action_values, values_of_actions
 from ..networks.actor_critics import packing_of
 from ..networks.architectures import ActionValues
 from ..networks.masks import allowed_in, masked, wants_masks
@@ -27,9 +27,17 @@ from .advantage import generalised_advantages, successor_values
 from .minibatches import check_minibatches, draw_orders, sorted_on_cpu
 from .optimisers import learning_rate_schedule, make_value_optimiser, start_learner
 from .partners import Partners
-from .rollout import Actor, Rollout, Worlds, collect_rollout, rollout_metrics, start_worlds
+from .rollout import (
+    Actor,
+    Rollout,
+    Worlds,
+    collect_rollout,
+    if_any_truncated,
+    rollout_metrics,
+    start_worlds,
+)
 from .shaping import make_shaping
-from .training_functions import Metrics, Train, TrainState, keep_if_finite
+from .training_functions import Metrics, Train, TrainState, keep_if_finite, with_parameters
 
 
 @flax.struct.dataclass
@@ -80,23 +88,19 @@ def make_vdn_on_policy(env: Environment, config: VDNConfig, partners: Partners) 
             return (), explore(key, values, allowed, epsilon), best_values(values, allowed)
 
         def follow(memory: Any, info: dict[str, Any]) -> Array:
+            """Returns the team's values `[B]` of the observations at which episodes were cut."""
             del memory
-            truncated = info["truncated"]
 
-            def value_last() -> Array:
+            def terminal_values() -> Array:
                 state = info.get("terminal_state")
                 return team_value(parameters, info["terminal_observation"], state)
 
-            def value_nothing() -> Array:
-                return jnp.zeros(truncated.shape, jnp.float32)
-
-            # Most steps end no episode, and then the second forward pass is skipped.
-            values: Array = jax.lax.cond(truncated.any(), value_last, value_nothing)
-            return values
+            return if_any_truncated(info, terminal_values)
 
         return Actor(act, packing.pack, follow)
 
     def collect(state: TrainState) -> tuple[TrainState, Any]:
+        """Plays a rollout; exploration falls with the updates."""
         key, rollout_key = jax.random.split(state.key)
         epsilon = exploration(config, state.updates)
         actor = make_actor(state.learner.params, epsilon)
@@ -107,6 +111,7 @@ def make_vdn_on_policy(env: Environment, config: VDNConfig, partners: Partners) 
         return replace(state, key=key, worlds=worlds), (rollout, metrics)
 
     def learn(state: TrainState, played: Any) -> tuple[TrainState, Metrics]:
+        """Takes gradient steps towards the lambda returns of a rollout."""
         rollout, metrics = played
         before = state.learner
         key, shuffle_key = jax.random.split(state.key)
@@ -124,10 +129,7 @@ def make_vdn_on_policy(env: Environment, config: VDNConfig, partners: Partners) 
         }
         return state.after_update(key, learner, losses["loss"]), metrics
 
-    def adopt(state: TrainState, parameters: Any) -> TrainState:
-        return replace(state, learner=replace(state.learner, params=parameters))
-
-    return Train(init, collect, learn, lambda state: state.learner.params, adopt)
+    return Train(init, collect, learn, lambda state: state.learner.params, with_parameters)
 
 
 def with_targets(rollout: Rollout, last_value: Array, config: VDNConfig) -> Steps:
@@ -167,6 +169,7 @@ def take_gradient_steps(
     """Takes `num_epochs * num_minibatches` gradient steps; losses are means over them."""
 
     def take_step(learner: Learner, indices: Array) -> tuple[Learner, Metrics]:
+        """Takes one gradient step on the steps of a minibatch."""
         ordered = sorted_on_cpu(indices)
         minibatch = jax.tree.map(lambda leaf: leaf[ordered], steps)
         minibatch = minibatch.replace(observation=packing.unpack(minibatch.observation))
@@ -189,7 +192,6 @@ def team_loss(
     The team's value is the sum of Q_i(s, a_i) over the learning agents.
     """
     values = cast(Array, network.apply(parameters, steps.observation))
-    taken = jnp.take_along_axis(values, steps.action[..., None], axis=-1)[..., 0]
-    team_value = taken[..., learning].sum(axis=-1)
+    team_value = values_of_actions(values, steps.action)[..., learning].sum(axis=-1)
     loss = 0.5 * jnp.square(team_value - steps.target).mean()
     return loss, {"loss": loss, "team_value": team_value.mean()}

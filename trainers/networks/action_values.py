@@ -39,6 +39,11 @@ def best_action(values: Array, allowed: Array | None) -> Array:
     return jnp.argmax(masked(values, allowed), axis=-1).astype(jnp.int32)
 
 
+def values_of_actions(values: Array, action: Array) -> Array:
+    """Returns the values of the given actions `[...]` from those of all actions `[..., A]`."""
+    return jnp.take_along_axis(values, action[..., None], axis=-1)[..., 0]
+
+
 def exploration(config: VDNConfig, updates: Array) -> Array:
     """Returns the probability of exploring after some updates: linear, then constant."""
     gone = jnp.minimum(updates / (config.epsilon_fraction * config.num_updates), 1.0)

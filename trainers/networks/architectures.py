@@ -43,6 +43,7 @@ class Layers:
 
     @classmethod
     def of(cls, config: Config) -> "Layers":
+        """Returns the layers that a configuration describes."""
         return cls(
             network=config.network,
             width=config.network_width,
@@ -87,6 +88,7 @@ class Torso(nn.Module):
         return self._own(windows).reshape(*lead, -1).astype(layers.dtype)
 
     def _convolutions(self, windows: Array) -> Array:
+        """Returns the features `[M, V, V, channels]` of windows `[M, P, V, V]` uint8."""
         dtype = self.layers.dtype
         features = to_channels(windows, self.planes, dtype, scale_numbers=True)
         features = jnp.moveaxis(features, 1, -1)  # convolutions expect channels last
@@ -183,6 +185,7 @@ class Head(nn.Module):
 
     @nn.compact
     def __call__(self, features: Array) -> Array:
+        """Returns float32 outputs `[..., outputs]`."""
         hidden = dense(features, self.layers)
         last = nn.Dense(
             self.outputs, kernel_init=orthogonal(self.gain), dtype=self.layers.dtype, name="out"
@@ -263,6 +266,7 @@ class ActorCritic(nn.Module):
     def _remember(
         self, name: str, memory: Memory, features: Array, fresh: Array
     ) -> tuple[Memory, Array]:
+        """Returns the memory and the features after a recurrence; both as they are without one."""
         if not self.recurrent:
             return memory, features
         recurrence = Recurrence(self.layers.width, self.layers.dtype, name=name)

@@ -29,6 +29,7 @@ def convolve(features: Array, kernel: Array) -> Array:
 
 
 def _plain(features: Array, kernel: Array, padding: int) -> Array:
+    """Returns the convolution with zeros around the features, without any rule of its own."""
     return jax.lax.conv_general_dilated(
         features,
         kernel,
@@ -47,6 +48,7 @@ def _convolution(padding: int) -> Any:
 
     @convolution.def_vmap
     def batched(size: int, in_batched: Any, features: Array, kernel: Array) -> tuple[Array, bool]:
+        """Computes a batch: with one kernel as more features, else kernel by kernel on a CPU."""
         features_batched, kernel_batched = in_batched
         if not kernel_batched:
             together = convolution(features.reshape(-1, *features.shape[2:]), kernel)
@@ -89,6 +91,7 @@ def _gradients(features: Array, kernel: Array, gradient: Array) -> tuple[Array, 
 def _gradients_as_convolutions(
     features: Array, kernel: Array, gradient: Array
 ) -> tuple[Array, Array]:
+    """Returns the gradients of features and kernel as convolutions of transposed arrays."""
     padding = kernel.shape[0] // 2
     convolution = _convolution(padding)
     turned = jnp.flip(kernel, (0, 1)).swapaxes(2, 3)

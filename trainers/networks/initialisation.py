@@ -23,6 +23,7 @@ def orthogonal(gain: float = 1.0) -> Initializer:
     """
 
     def init(key: Array, shape: Sequence[int], dtype: Any = jnp.float32) -> Array:
+        """Returns an orthogonal matrix in the shape of the weights."""
         cols = shape[-1]
         rows = math.prod(shape[:-1])
         drawn = jax.random.normal(key, (max(rows, cols), min(rows, cols)), jnp.float32)

@@ -95,6 +95,7 @@ def make_packing(planes: Sequence[TokenPlane], window: tuple[int, int]) -> Packi
 
 
 def _part(planes: Sequence[TokenPlane], uniform: bool, cells: int) -> Part:
+    """Returns where the bits of the planes that are uniform, or aren't, go in each cell."""
     used: list[int] = []  # bits of each byte
     places = []
     for index, plane in enumerate(planes):

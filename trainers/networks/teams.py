@@ -55,13 +55,17 @@ def over_teams(
         return jax.vmap(function, tuple(in_axes), tuple(out_axes))
 
     def alone(*arguments: Any) -> Any:
-        of_team = [
-            argument if axis is None else jax.tree.map(partial(jnp.squeeze, axis=axis), argument)
-            for argument, axis in zip(arguments, in_axes, strict=True)
-        ]
-        return tuple(
-            jax.tree.map(partial(jnp.expand_dims, axis=axis), result)
-            for result, axis in zip(function(*of_team), out_axes, strict=True)
-        )
+        results = function(*map(_without_axis, arguments, in_axes))
+        return tuple(map(_with_axis, results, out_axes))
 
     return alone
+
+
+def _without_axis(tree: Any, axis: int | None) -> Any:
+    """Returns a tree without the axis of its only team, if it has one."""
+    return tree if axis is None else jax.tree.map(partial(jnp.squeeze, axis=axis), tree)
+
+
+def _with_axis(tree: Any, axis: int) -> Any:
+    """Returns a tree with an axis for its only team."""
+    return jax.tree.map(partial(jnp.expand_dims, axis=axis), tree)

@@ -180,6 +180,7 @@ def _look_up(planes: Planes) -> Callable[[Array, Array], Array]:
 
     @jax.custom_batching.custom_vmap
     def look_up(kernels: Array, tokens: Array) -> Array:
+        """Adds up the rows that the tokens of each window select."""
         number, windows = tokens.shape[:2]
         cells = _by_cell(tokens)
         width = kernels.shape[-1]
@@ -200,6 +201,9 @@ def _look_up(planes: Planes) -> Callable[[Array, Array], Array]:
     def look_up_more(
         size: int, batched: list[bool], kernels: Array, tokens: Array
     ) -> tuple[Array, bool]:
+        """Looks up under `vmap`: a batch of kernels is more networks, a batch of windows is more
+        windows.
+        """
         kernels_batched, tokens_batched = batched
         if kernels_batched:
             all_kernels = _merge(kernels, True, size)
@@ -222,6 +226,7 @@ def _look_up_gradient(planes: Planes) -> Callable[[Array, Array], Array]:
 
     @jax.custom_batching.custom_vmap
     def look_up_gradient(tokens: Array, gradients: Array) -> Array:
+        """Adds each window's gradient to the rows that its tokens select."""
         number, windows, width = gradients.shape
         cells = _by_cell(tokens)
         gradients = gradients.astype(jnp.float32)
@@ -233,11 +238,17 @@ def _look_up_gradient(planes: Planes) -> Callable[[Array, Array], Array]:
             jax.ShapeDtypeStruct((len(plane.channels), 1, number, width), jnp.float32)
             for plane in planes
         ]
+        # Tables are sums of rows, so the transpose of making them takes gradients of tables to
+        # gradients of rows.
         to_rows = jax.linear_transpose(
             lambda rows: [make_tables(rows, group, planes) for group in groups], of_cell
         )
 
         def add_cell(_: None, chosen: list[Array]) -> tuple[None, list[Array]]:
+            """Returns the gradients of one cell's rows, `[L, G, K]` of each plane.
+
+            chosen: of each group of planes, the row that each window selects, `[G * M]`.
+            """
             tables = []
             for group, numbers in zip(groups, chosen, strict=True):
                 table = jnp.zeros((number * rows_of(group, planes), width), jnp.float32)
@@ -259,6 +270,7 @@ def _look_up_gradient(planes: Planes) -> Callable[[Array, Array], Array]:
     def look_up_more(
         size: int, batched: list[bool], tokens: Array, gradients: Array
     ) -> tuple[Array, bool]:
+        """Looks up under `vmap`: the batch is more networks."""
         tokens_batched, gradients_batched = batched
         all_tokens = _merge(tokens, tokens_batched, size)
         all_gradients = _merge(gradients, gradients_batched, size)

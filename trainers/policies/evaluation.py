@@ -93,15 +93,11 @@ def make_evaluator(
     def play(key: Array, parameters: Any) -> EpisodeSums:
         """Returns the sums over each episode, arrays `[E, ...]`."""
         policy = with_memory(policy_of(parameters))
-        if memory_of is not None:
-            memory = memory_of(parameters)
-        else:
-            memory = jax.tree.map(
-                lambda leaf: jnp.broadcast_to(leaf, (num_episodes, *jnp.shape(leaf))), policy.start
-            )
+        memory = memory_of(parameters) if memory_of else policy.starts(num_episodes)
         return _play_to_end(env, policy, memory, key, num_episodes).sums
 
     def evaluate_parameters(key: Array, parameters: Any) -> Evaluation:
+        """Plays the episodes with some parameters."""
         sums = jax.device_get(play(key, parameters))
         return Evaluation(
             returns=sums.returns,
@@ -143,6 +139,7 @@ def _play_to_end(
     def play_step(
         key: Array, state: Any, memory: Any, observation: Array
     ) -> tuple[Any, tuple[Array, Any, Array, Array, dict[str, Any]]]:
+        """Plays one step of one episode; returns the policy's memory and what the step gave."""
         action_key, env_key = jax.random.split(key)
         memory, actions = take_actions(env, policy, memory, action_key, observation, state)
         stepped = env.step_env(env_key, state, actions)
@@ -150,6 +147,7 @@ def _play_to_end(
         return policy.after_step(memory, actions, reward, info), stepped
 
     def advance(carry: tuple[Array, _Episodes]) -> tuple[Array, _Episodes]:
+        """Plays one step of all episodes; those that are over stay as they are."""
         key, before = carry
         key, step_key = jax.random.split(key)
         keys = jax.random.split(step_key, num_episodes)

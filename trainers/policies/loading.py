@@ -170,6 +170,7 @@ def _actor_policy(env: Environment, config: PPOConfig, parameters: Any, greedy: 
     def act(
         memory: Any, key: Array, observation: Array, allowed: Array | None
     ) -> tuple[Any, Array]:
+        """Returns the memory afterwards and an action for each agent, `[N]` int32."""
         # An episode starts with the memory `start`, so no step has to reset it.
         never_reset = jnp.zeros((1, 1), bool)
         memory, logits, _ = networks.apply(
@@ -196,6 +197,7 @@ def _value_policy(env: Environment, config: VDNConfig, parameters: Any, greedy: 
     def act(
         memory: Any, key: Array, observation: Array, allowed: Array | None
     ) -> tuple[Any, Array]:
+        """Returns the action of each agent, `[N]` int32; there is no memory."""
         values = cast(Array, network.apply(parameters, observation))
         if greedy:
             return memory, best_action(values, allowed)
@@ -226,6 +228,7 @@ def parameter_shapes(env: Environment, config: Config) -> Any:
     """Returns the shapes and dtypes of the parameters of a configuration's policy."""
 
     def init(key: Array) -> Any:
+        """Returns initial parameters."""
         match config:
             case PPOConfig() if "algorithm" in config.hooks:
                 program = _own_program(env, config)

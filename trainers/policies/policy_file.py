@@ -179,7 +179,9 @@ def _read_description(path: Path, digest: str | None = None) -> Described:
             f"{path} is damaged: it isn't the one that was written; use another policy of the run"
         )
     content = parse_json(written)
-    game, update, env_steps = content["game"], content["update"], content["env_steps"]
+    game = content["game"]
+    update = content["update"]
+    env_steps = content["env_steps"]
     texts = (game["name"], game["hash"], *game["action_names"])
     numbers = (update, env_steps, *game["observation_shape"])
     are_texts = all(isinstance(text, str) for text in texts)

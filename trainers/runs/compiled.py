@@ -15,6 +15,7 @@ from jax import Array
 
 from ..algorithms.rollout import Worlds
 from ..algorithms.training_functions import Metrics, Train, TrainState
+from ..environment import where_env
 from ..settings.config import Config
 from .sharding import everywhere, make_mesh, placement_of, with_placement
 
@@ -56,6 +57,7 @@ def compile_train(program: Train, config: Config, parameters: Any = None) -> Com
         over_seeds = one_after_the_other
 
     def start_seed(seed: Array, parameters: Any) -> TrainState:
+        """Returns the first state of one seed."""
         state = program.init(jax.random.key(seed))
         if parameters is None:
             return state
@@ -119,21 +121,18 @@ def with_spread_starts(compiled: Compiled, config: Config, episode_length: int) 
     if rollouts <= 1 or not config.spread_starts:
         return compiled
     axis = int(config.seeds > 1)  # of environments
+    choose = jax.vmap(where_env, in_axes=(None, 0, 0)) if axis else where_env
 
     @jax.jit
     def keep(number: int, worlds: Worlds, kept: Worlds) -> Worlds:
         """Returns the new worlds of environments that play `number` rollouts, else the kept."""
-
-        def of_leaf(new: Array, old: Array) -> Array:
-            num_envs = new.shape[axis]
-            plays = jnp.arange(num_envs) * rollouts // num_envs >= number  # [B]
-            later_axes = new.ndim - axis - 1
-            return jnp.where(plays.reshape(-1, *[1] * later_axes), new, old)
-
-        new_worlds: Worlds = jax.tree.map(of_leaf, worlds, kept)
+        num_envs = jax.tree.leaves(worlds)[0].shape[axis]
+        plays = jnp.arange(num_envs) * rollouts // num_envs >= number  # [B]
+        new_worlds: Worlds = choose(plays, worlds, kept)
         return new_worlds
 
     def start() -> TrainState:
+        """Returns the first state; on the way there, environments stop after their rollouts."""
         state = compiled.start()
         places = jax.tree.map(lambda leaf: leaf.sharding, state.worlds)
         kept = jax.tree.map(jnp.copy, state.worlds)  # a copy, as the next rollout reuses the memory

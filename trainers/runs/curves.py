@@ -95,10 +95,10 @@ def draw_curves(
 def _trials_of(folder: Path, metric: str) -> int:
     """Returns how many trials a run has a metric of. Raises RunError if there are none."""
     read_manifest(folder)
-    first_seed = next(iter(sorted(folder.glob("seed_*"))), folder)
-    columns = next(iter(run_rows(first_seed)), {})
+    seeds = sorted(folder.glob("seed_*")) or [folder]
+    first_row = next(run_rows(seeds[0]), {})
     prefix = f"{metric}_trial_"
-    trials = sum(column.startswith(prefix) for column in columns)
+    trials = sum(column.startswith(prefix) for column in first_row)
     if not trials:
         raise RunError(
             f"{folder} has no `{metric}` by trial: its game has no trials, or no such metric"

@@ -78,6 +78,7 @@ def _bar(num_updates: int, title: str, seeds: int, steps_before: int) -> Iterato
     outcome = NO_EPISODE
 
     def show(row: Row, warnings: Sequence[str] = ()) -> None:
+        """Moves the bar, and prints warnings above it."""
         nonlocal outcome
         for warning in warnings:
             progress.console.print(f"warning: {warning}", markup=False, highlight=False)
@@ -97,6 +98,7 @@ def _lines(num_updates: int, seeds: int, steps_before: int) -> Show:
     printed = 0.0
 
     def show(row: Row, warnings: Sequence[str] = ()) -> None:
+        """Prints warnings at once, and a line if it is time for one."""
         nonlocal printed, outcome
         for warning in warnings:
             print(f"warning: {warning}", flush=True)
@@ -132,8 +134,10 @@ def _outcome(row: Row) -> str:
     """Returns what the episodes that ended in an update earned, or "" if none ended."""
     if not row["episodes"] > 0:
         return ""
-    earned, before = row["collective_return"], row["before_learning"]
-    return f"collective return {earned:.1f} (before learning {before:.1f})"
+    return (
+        f"collective return {row['collective_return']:.1f} "
+        f"(before learning {row['before_learning']:.1f})"
+    )
 
 
 def _learning(row: Row) -> str:

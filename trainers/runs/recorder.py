@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -161,9 +162,9 @@ def open_recorders(stage: RunStage, done: int) -> Iterator[list[Recorder]]:
     At the end, it draws the learning curves. Only the first of several processes has recorders: the
     others don't write.
     """
-    env, config = stage.env, stage.config
+    config = stage.config
     evaluator = make_evaluator(
-        env, lambda parameters: trained_policy(env, config, parameters), config.evaluation_episodes
+        stage.env, partial(trained_policy, stage.env, config), config.evaluation_episodes
     )
     with ExitStack() as stack:
         recorders: list[Recorder] = []

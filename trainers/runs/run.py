@@ -79,8 +79,10 @@ class Result:
 
         With several seeds, they are means over those that learnt.
         """
-        seeds = zip_longest(*map(run_rows, self.folders))
-        return tuple(mean_row([row for row in rows if row is not None]) for rows in seeds)
+        means = []
+        for rows in zip_longest(*map(run_rows, self.folders)):  # of the seeds, in one update
+            means.append(mean_row([row for row in rows if row is not None]))
+        return tuple(means)
 
 
 def train(
@@ -308,7 +310,8 @@ def _run_stages(
 def _run_stage(stage: RunStage, progress: ProgressStyle, callback: Callback | None) -> Result:
     """Runs the remaining updates of a stage; its manifest is updated as the run goes on."""
     began = time.perf_counter()
-    env, config, manifest = stage.env, stage.config, stage.manifest
+    config = stage.config
+    manifest = stage.manifest
     with ExitStack() as stack:
         style = progress if is_first() else "none"
         steps_before = stage.steps_after(0)
@@ -320,8 +323,10 @@ def _run_stage(stage: RunStage, progress: ProgressStyle, callback: Callback | No
             # The policy it began with may be gone from its old place, so a run has a copy.
             start = {"init_from": str(stage.folder / START)}
             to_compile = config.model_copy(update=start)
-        compiled = compile_train(make_train(env, to_compile), config, _parameters_before(stage))
-        compiled = with_spread_starts(compiled, config, episode_length(env))
+        compiled = compile_train(
+            make_train(stage.env, to_compile), config, _parameters_before(stage)
+        )
+        compiled = with_spread_starts(compiled, config, episode_length(stage.env))
         checkpoints = Checkpoints(stage.folder)
         state, done = checkpoints.restore_last(compiled.start())
         is_resumed = "resumed" in manifest and (done > 0 or stage.before is None)

@@ -33,7 +33,8 @@ class RunStage:
     @property
     def title(self) -> str:
         """The stage in words, for people who watch it."""
-        algorithm, reward = short_name(self.config.algorithm), short_name(self.config.reward)
+        algorithm = short_name(self.config.algorithm)
+        reward = short_name(self.config.reward)
         title = f"{self.env.name}, {algorithm}, {reward} reward"
         return f"{title}, stage {self.number}" if self.number else title
 

@@ -46,7 +46,7 @@ class Update:
     @property
     def policy(self) -> Policy:
         """The policy as it is now, of the first seed."""
-        return self.policy_of(next(iter(self.rows)))
+        return self.policy_of(min(self.rows))
 
 
 Callback = Callable[[Update], Any]  # called after an update; the run ends there if it returns True
@@ -233,14 +233,14 @@ class Loop:
         """Calls the callback; returns whether it ends the run."""
         if self.callback is None:
             return False
-        env, config = self.stage.env, self.stage.config
+        config = self.stage.config
         seeds = config.seed_numbers
         parameters = self.compiled.parameters(self.state)
 
         def policy_of(seed: int) -> Policy:
             # a copy, as the next update reuses their memory
             of_one = jax.tree.map(jnp.copy, of_seed(parameters, seeds.index(seed), config))
-            return trained_policy(env, config, of_one)
+            return trained_policy(self.stage.env, config, of_one)
 
         known = {seeds[index]: rows[index] for index in self._learning()}
         row = mean_row([*known.values()])

@@ -100,6 +100,7 @@ def _hook_validator(kind: Kind, *names: str) -> BeforeValidator:
     built_in = names or BUILT_IN[kind]
 
     def check(value: Any, info: ValidationInfo) -> Any:
+        """Returns the name of a hook. Raises ValueError for anything else."""
         if callable(value):
             return name_of(kind, value)
         if isinstance(value, str) and (value in built_in or _is_stored(info)):
@@ -196,17 +197,21 @@ Reads = Annotated[
 ]
 Partners = Annotated[tuple[tuple[NonNegativeInt, str], ...], BeforeValidator(_partner_pairs)]
 
-COMMON, SVO = only("reward", "common"), only("reward", "svo")
-EXCHANGE, INEQUITY = only("reward", "exchange"), only("reward", "inequity")
+COMMON = only("reward", "common")
+SVO = only("reward", "svo")
+EXCHANGE = only("reward", "exchange")
+INEQUITY = only("reward", "inequity")
 TRACES = Only(
     "reward",
     "svo or one of your own",
     lambda reward: reward not in get_args(RewardMode) or reward == "svo",
 )
 SCALED = only("reward", "individual", "svo", "exchange", "inequity")
-CNN, MAPPO = only("network", "cnn"), only("algorithm", "mappo")
+CNN = only("network", "cnn")
+MAPPO = only("algorithm", "mappo")
 REMEMBERED = only("memory", "gru")
-BUFFER, ROLLOUT = only("replay", "buffer"), only("replay", "none")
+BUFFER = only("replay", "buffer")
+ROLLOUT = only("replay", "none")
 BY_TIME = Only("checkpoint_updates", "0", operator.not_)
 
 
@@ -300,6 +305,7 @@ class Config(BaseModel):
         return config
 
     def _refuse_large_seeds(self) -> None:
+        """Raises ConfigError if the last seed has more than 32 bits."""
         last = self.seed + self.seeds - 1
         if last < SEEDS:
             return
@@ -517,7 +523,8 @@ def require_code(config: Config, place: str, to_act: bool) -> None:
         if not to_act or kind in TO_ACT:
             require_allowed(kind, name, place)
     for _, policy in config.partners:
-        if not split_name(policy)[0].exists():
+        path, _ = split_name(policy)
+        if not path.exists():
             require_allowed("policy", policy, place)
 
 

@@ -68,7 +68,8 @@ def local_symbol(name: ast.Name) -> Symbol:
 
 def declared_by(node: Node, owner: str) -> Symbol | None:
     """Returns what a node declares itself. `owner`: what the node belongs to, as `owner_in` tells."""
-    space, name = SPACES.get(type(node)), getattr(node, "name", None)
+    space = SPACES.get(type(node))
+    name = getattr(node, "name", None)
     if space is None or name is None:
         return None
     if isinstance(node, ast.Field | ast.Timer):
@@ -192,22 +193,20 @@ def occurrences(
     for symbol, node in declarations(file):
         span = node.name.span  # type: ignore[attr-defined]
         found[span] = Occurrence(span, (symbol,), True)
-    bound = {
-        symbol for symbols in resolved.values() for symbol in symbols if symbol.space == "local"
-    }
+    used = {symbol for symbols in resolved.values() for symbol in symbols}
     for node in walk(file):
         match node:
             case ast.Words():
                 for word in node.names:
-                    if (
-                        word.span not in resolved
-                    ):  # `draw colour from { red, green }` and `in { red, green }` are uses
+                    # `draw colour from { red, green }` and `in { red, green }` are uses.
+                    if word.span not in resolved:
                         found[word.span] = Occurrence(word.span, (Symbol("word", word.text),), True)
-            case ast.Name(span=span) if local_symbol(node) in bound:
+            case ast.Name(span=span) if local_symbol(node) in used:
                 found[span] = Occurrence(span, (local_symbol(node),), True)
             case ast.Name(span=span) if span in resolved:
                 symbols = tuple(sorted(symbol for symbol in resolved[span] if names.knows(symbol)))
-                found |= {span: Occurrence(span, symbols)} if symbols else {}
+                if symbols:
+                    found[span] = Occurrence(span, symbols)
             case _ if type(node) in USES:
                 name: ast.Name = node.kind if isinstance(node, ast.Domain | ast.On) else node.name  # type: ignore[attr-defined]
                 symbols = tuple(sorted(names.called(name.text, USES[type(node)])))

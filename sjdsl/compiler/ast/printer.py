@@ -13,6 +13,7 @@ def lines(file: ast.File) -> Iterator[str]:
 
 
 def _lines(label: str, value: object, depth: int) -> Iterator[str]:
+    """Yields the lines of a value: of a node its type, and its fields below it."""
     pad = "  " * depth
     if isinstance(value, ast.Name | ast.String):
         yield f"{pad}{label}: {value.text!r}"

@@ -80,13 +80,9 @@ def check_unused(
     for name, event in static.events.items():
         if name not in counted:
             level = static.event_levels.get(name)
-            key = (
-                ""
-                if level is None
-                else "[agent]"
-                if level.sort == "agent"
-                else f"[{level.names[0]}]"
-            )
+            key = ""
+            if level is not None:
+                key = "[agent]" if level.kind == "agent" else f"[{level.names[0]}]"
             problems.add(errors.NeverCounted(event.name.span, name=name, path=f"{name}{key}"))
 
 

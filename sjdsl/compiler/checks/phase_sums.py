@@ -53,7 +53,8 @@ class Sum(NamedTuple):
 
     def times(self, number: float) -> "Sum":
         """Returns the sum of a block that happens so often."""
-        low, high = times(self.low, number), times(self.high, number)
+        low = times(self.low, number)
+        high = times(self.high, number)
         return Sum(low, high, self.part._replace(often=times(self.part.often, number)))
 
 
@@ -100,7 +101,8 @@ def block(body: tuple[ir.Stmt, ...], here: Here) -> Sums:
             case ir.Let(name=name, value=value) if value.type.kind in ("int", "real"):
                 here = replace(here, locals={**here.locals, name: interval_of(value, here)})
             case ir.Draw(name=name, low=ir.Expression() as low, high=ir.Expression() as high):
-                (first, _), (_, last) = interval_of(low, here), interval_of(high, here)
+                (first, _) = interval_of(low, here)
+                (_, last) = interval_of(high, here)
                 here = replace(here, locals={**here.locals, name: (first, last)})
             case _:
                 found.append(_statement(statement, here))
@@ -169,16 +171,15 @@ def _adding(target: Target, s: ir.Add | ir.Tally, each: Interval) -> Sums:
 
 
 def _quantified(s: ir.Each | ir.Pick | ir.First, here: Here) -> Sums:
+    """Returns what the members of a domain add together."""
     number: float = most_members(s.domain, here.played.game)
     members: tuple[ir.Member | None, ...] = (s.domain.var, s.domain.on)
     if isinstance(s, ir.Pick):
         number = min(number, interval_of(s.number, here)[1])
     if isinstance(s, ir.First):
         assert isinstance(s.domain.restriction, ir.Near)
-        number, members = (
-            len(lanes_of(s.domain.restriction, here.played.game)),
-            (),
-        )  # two lanes can reach one member
+        number = len(lanes_of(s.domain.restriction, here.played.game))
+        members = ()  # two lanes can reach one member
     sums = _often(block(s.body, here.inside(s.domain)), number, members)
     return (
         merged([sums, block(s.otherwise, here)], all_happen=False)
@@ -193,10 +194,12 @@ def _set(s: ir.Set, here: Here) -> None:
     if s.value.type.kind != "int":
         visit(s.value, here)
         return
-    field, (_, high) = written_field(s.target), interval_of(s.value, here)
+    field = written_field(s.target)
+    (_, high) = interval_of(s.value, here)
     if s.target.type.high < inf:  # the range of a field
         return
-    held, played = (field.held_by.what, field.name), here.played
+    held = (field.held_by.what, field.name)
+    played = here.played
     added = _counted_on(s.value, held)
     if added is None:
         played.sets[held] = max(played.sets.get(held, 0), high)

@@ -70,15 +70,14 @@ def _always_sent(body: tuple[ir.Stmt, ...], agent: Body) -> bool:
             case ir.Each(domain=ir.Domain(on=None, restriction=None)) if _is_of(
                 s.domain.var, agent
             ):
-                sent = (
-                    s.domain.where is None or _decide(s.domain.where, agent) is True
-                ) and _always_sent(s.body, agent)
+                where = s.domain.where
+                is_member = where is None or _decide(where, agent) is True
+                sent = is_member and _always_sent(s.body, agent)
             case ir.When():
                 sent = all(_always_sent(way, agent) for way in _ways(s, agent))
             case ir.Chance():
-                sent = bool(s.otherwise) and all(
-                    _always_sent(b, agent) for b in (*(b.body for b in s.branches), s.otherwise)
-                )
+                ways = [*(branch.body for branch in s.branches), s.otherwise]
+                sent = bool(s.otherwise) and all(_always_sent(way, agent) for way in ways)
             case _:
                 pass
         if sent:
@@ -128,7 +127,8 @@ def _without_room(
         if lacking is None:
             continue
         domain = pool.sends[0].domain
-        place, span = domain_text(domain), domain.origin
+        place = domain_text(domain)
+        span = domain.origin
         if span is not None and span.file in sources:  # as its author wrote it, on one line
             place = " ".join(
                 re.sub(r"#[^\n]*", "", sources[span.file].text[span.start : span.end]).split()
@@ -157,12 +157,14 @@ def _possible_sends(body: tuple[ir.Stmt, ...], agent: Body) -> list[ir.Send]:
     for s in body:
         match s:
             case ir.Send():
-                found += [s] if _is_of(s.who, agent) else []
+                if _is_of(s.who, agent):
+                    found.append(s)
             case ir.Each() | ir.Pick() | ir.First():
                 where = s.domain.where if _is_of(s.domain.var, agent) else None
                 if where is None or _decide(where, agent) is not False or _has_quantifier(s.body):
                     found += _possible_sends(s.body, agent)
-                found += _possible_sends(s.otherwise, agent) if isinstance(s, ir.Pick) else ()
+                if isinstance(s, ir.Pick):
+                    found += _possible_sends(s.otherwise, agent)
             case ir.Match():
                 found += _possible_sends(s.body, agent)
             case ir.When():
@@ -182,6 +184,7 @@ def _has_quantifier(body: tuple[ir.Stmt, ...]) -> bool:
 
 
 def _when_sends(s: ir.When, agent: Body) -> list[ir.Send]:
+    """Returns the sends in the branches that an agent may reach."""
     found: list[ir.Send] = []
     for branch in s.branches:
         decided = _decide(branch.test, agent)
@@ -207,7 +210,8 @@ def _without_room_at_start(
         earlier[agent] = earlier.get(agent, set()) | possible
         if len(sure) > taken:
             continue
-        everybody, cells = len({*pool.reached, *earlier}), len(sure)
+        everybody = len({*pool.reached, *earlier})
+        cells = len(sure)
         if any(variables_around(s.domain) for s in pool.sends):
             yield errors.TooFewForOne(
                 span,
@@ -229,7 +233,8 @@ def _without_room_at_start(
 
 def _cells_at_start(pool: Pool, agent: Body, game: ir.Game) -> tuple[set[Place], set[Place]]:
     """Returns the cells that certainly fit an agent when the episode begins, and those that may."""
-    sure, possible = set(), set()
+    sure = set()
+    possible = set()
     for s in pool.sends:
         known = {s.who.name: agent.number} if isinstance(s.who, ir.Member) else {}
         by_glyph = s.domain.where is not None and reads_only_fields(

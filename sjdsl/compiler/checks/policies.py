@@ -47,6 +47,7 @@ def check_policies(game: ir.Game, sources: Mapping[str, Source], problems: Probl
 
 
 def _walks(game: ir.Game) -> Iterator[Walk]:
+    """Yields the rules by which policies of the file, and those of checks, walk somewhere."""
     for policy in game.policies:
         yield from (rule for rule in policy.rules if isinstance(rule, Walk))
     for check in game.checks:

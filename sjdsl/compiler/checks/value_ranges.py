@@ -20,7 +20,8 @@ from sjdsl.compiler.ir.queries import most_members
 from sjdsl.compiler.ir.types import times
 from sjdsl.compiler.ir.values import Evaluation
 
-LOWEST, HIGHEST = -MAX_INTEGER - 1, MAX_INTEGER
+LOWEST = -MAX_INTEGER - 1
+HIGHEST = MAX_INTEGER
 Interval = tuple[float, float]
 Held = tuple[str, str]  # a field: what holds it, and its name
 
@@ -96,6 +97,7 @@ class Here(Analysis[Interval]):
         return self.knowing(domain.where)
 
     def in_arm(self, e: ir.Case, arm: ir.Arm) -> "Here":
+        """Returns what is known in an arm of a `case`."""
         if e.subject.type.kind == "condition":
             return self.knowing(e.subject, arm.words == ("yes",))
         if e.subject.type.kind == "int":
@@ -108,6 +110,7 @@ class Here(Analysis[Interval]):
         return replace(self, known={})  # what is known is known of the state after the step
 
     def leaf(self, e: ir.Expr) -> Interval:
+        """Returns the interval of an expression without parts that bound it."""
         match e:
             case ir.Number():
                 return e.value, e.value
@@ -132,6 +135,7 @@ class Here(Analysis[Interval]):
         return e.type.low, e.type.high
 
     def refined(self, e: ir.Expr, result: Interval) -> Interval:
+        """Returns an interval within all that is known; notes a whole number that can leave int32."""
         known = (-inf, inf)
         if self.known:
             known = self.known.get(form(e, memo=self.played.forms), known)
@@ -149,6 +153,7 @@ class Here(Analysis[Interval]):
         return _hull(parts)
 
     def entry(self, e: ir.At, row: Interval) -> Interval:
+        """Returns the interval of an entry: of a fixed one of a table its value."""
         visit(e.key, self)
         if not _is_of_numbers(e):
             return row

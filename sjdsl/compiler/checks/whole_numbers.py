@@ -77,7 +77,7 @@ def beyond_int32(game: ir.Game, params: Mapping[str, Any]) -> list[Diagnostic]:
         played.totals[target.name] = times(own.high, played.steps_of_episode * receivers)
     for part in ir.children(game):
         is_required = (
-            isinstance(part, ir.Check) and part.sort == "require"
+            isinstance(part, ir.Check) and part.kind == "require"
         )  # decided in Python's numbers, before the game is played
         if not isinstance(part, ir.Phase) and not is_required:
             visit(part, Here(played))
@@ -98,7 +98,8 @@ def beyond_int32(game: ir.Game, params: Mapping[str, Any]) -> list[Diagnostic]:
 
 def _settled(played: Played) -> list[Sums]:
     """Goes through the phases until no timer rises any more, or the episode is over, and returns what each of them adds."""
-    game, phases = played.game, phases_of(played.game)
+    game = played.game
+    phases = phases_of(played.game)
     starts: dict[Held, float] = {}  # the largest value that each timer begins with on the map
     for timer in (field for field in all_fields(game) if field.timer):
         values = [
@@ -111,9 +112,12 @@ def _settled(played: Played) -> list[Sums]:
         starts[timer.held_by.what, timer.name] = max(
             (value for value in values if isinstance(value, int)), default=0
         )
-    played.timers, round_ = starts, 0
+    played.timers = starts
+    round_ = 0
     while True:
-        played.leaving, played.sets, played.growth = [], {}, {}
+        played.leaving = []
+        played.sets = {}
+        played.growth = {}
         sums = [sums_of(phase, Here(played)) for phase in phases]
         rising = {}
         for held, before in played.timers.items():
@@ -124,7 +128,8 @@ def _settled(played: Played) -> list[Sums]:
                 rising[held] = reached if round_ < ROUNDS else inf
         if not rising or round_ >= played.steps_of_episode * len(phases):
             return sums
-        played.timers, round_ = {**played.timers, **rising}, round_ + 1
+        played.timers = {**played.timers, **rising}
+        round_ = round_ + 1
 
 
 def _in_field(added: Sum) -> Interval:
@@ -138,7 +143,9 @@ def _in_field(added: Sum) -> Interval:
 
 
 def _of_number(leaving: Leaving) -> Diagnostic:
-    value, name = leaving.value, text(leaving.value)
+    """Returns the message about a whole number that can leave int32."""
+    value = leaving.value
+    name = text(leaving.value)
     name = (
         name[1:-1] if isinstance(value, ir.Arithmetic) and name.startswith("(") else name
     )  # as an author would write it
@@ -185,7 +192,9 @@ def _bound(node: ir.Expr, leaving: Leaving) -> int | None:
     """Returns the largest value of a part of a number with which that stays in int32, None if there is none above 0."""
 
     def fits(bound: int) -> bool:
-        played, here = replace(leaving.here.played, leaving=[]), leaving.here
+        """Returns whether the number stays in int32 if what it reads is at most `bound`."""
+        played = replace(leaving.here.played, leaving=[])
+        here = leaving.here
         if isinstance(node, ir.ParamRef):
             played.params = {**played.params, node.name: bound}
         else:
@@ -193,7 +202,7 @@ def _bound(node: ir.Expr, leaving: Leaving) -> int | None:
         interval_of(leaving.value, replace(here, played=played))
         return not played.leaving
 
-    return None if node.type.by or not fits(1) else boundary(1, HIGHEST, fits)
+    return None if node.type.indexed_by or not fits(1) else boundary(1, HIGHEST, fits)
 
 
 def boundary(good: int, bad: int, fits: Callable[[int], bool]) -> int:
@@ -208,7 +217,9 @@ def _values_read(e: ir.Expr, played: Played) -> tuple[Label, ...]:
     """Returns where the parameters that a number reads are declared, with their values."""
     named = {n.name for n in ir.walk(e) if isinstance(n, ir.ParamRef)}
     declared = [
-        p for p in played.game.params if p.name in named and not p.type.by and p.origin is not None
+        p
+        for p in played.game.params
+        if p.name in named and not p.type.indexed_by and p.origin is not None
     ]
     return tuple(Label(p.span, f"`{p.name}` is {played.params[p.name]}") for p in declared)
 

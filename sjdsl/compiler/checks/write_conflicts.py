@@ -98,7 +98,8 @@ class Write(Record, eq=False):
             for place, member in enumerate(self.keys)
             if member is not None
         }
-        target |= {} if self.owner is None else {self.owner.name: "target"}
+        if self.owner is not None:
+            target[self.owner.name] = "target"
         return tuple(
             Fact(f.condition, target)
             for f in self.facts
@@ -154,12 +155,10 @@ def check_conflicts(game: ir.Game, problems: Problems) -> None:
             ):  # an `add` that several instances make at once is in range only if capped
                 assert isinstance(write.statement, ir.Add) and write.statement.origin is not None
                 declared = declared_field(game, written_field(write.statement.target))
-                span, low, high, reached = (
-                    write.statement.origin,
-                    declared.type.low,
-                    declared.type.high,
-                    "the sum of several adds",
-                )
+                span = write.statement.origin
+                low = declared.type.low
+                high = declared.type.high
+                reached = "the sum of several adds"
                 problems.add(
                     errors.FieldRange(
                         span,
@@ -188,6 +187,7 @@ def _is_bounded(w: Write, game: ir.Game) -> bool:
 
 
 def _writes(body: tuple[ir.Stmt, ...], around: Around) -> Iterator[Write]:
+    """Yields all writes of statements. around: what holds where they stand."""
     for s in body:
         match s:
             case ir.Let():
@@ -250,7 +250,9 @@ def _writes(body: tuple[ir.Stmt, ...], around: Around) -> Iterator[Write]:
 def _place_writes(
     s: ir.Send | ir.Shift | ir.Remove, value: Form, depends: frozenset[str], around: Around
 ) -> Iterator[Write]:
-    sort, rest = body_sort(s.who), (around.quantifiers, around.branches, around.facts)
+    """Yields the writes of a place: of `send`, `shift` and `remove`."""
+    sort = body_sort(s.who)
+    rest = (around.quantifiers, around.branches, around.facts)
     yield Write("place", Target("place", sort.name), (), s.who, value, depends, s, *rest)
     if (
         sort.what == "mover" and not isinstance(s, ir.Remove) and s.facing != "same"
@@ -263,6 +265,7 @@ def _bound(d: ir.Domain) -> tuple[ir.Member, ...]:
 
 
 def _quantified(s: ir.Each | ir.Pick | ir.First, around: Around) -> Iterator[Write]:
+    """Yields the writes of the members of a domain, and of what happens if there is none."""
     known = (
         ()
         if s.domain.on is None
@@ -302,6 +305,7 @@ def _names(e: ir.Node, around: Around) -> frozenset[str]:
 
 
 def _field_write(s: ir.Set | ir.Add, around: Around) -> Write:
+    """Returns the write of a field."""
     written = written_field(s.target)
     keys = written_keys(s.target)
     entries = [str(key.value) if isinstance(key, ir.Word | ir.Number) else None for key in keys]
@@ -405,6 +409,7 @@ def _owns_entries(w: Write) -> bool:
 
 
 def _same_target(a: Write, b: Write) -> bool:
+    """Returns whether two writes may be of the same entry of the same field."""
     if (a.target.of, a.target.name) != (b.target.of, b.target.name) or (
         a.kinds and b.kinds and set(a.kinds).isdisjoint(b.kinds)
     ):
@@ -415,6 +420,7 @@ def _same_target(a: Write, b: Write) -> bool:
 
 
 def _compatible(a: Write, b: Write, bounded: Collection[Write]) -> bool:
+    """Returns whether two writes never disagree. bounded: adds to fields with limits."""
     if a.sort == b.sort == "add":
         return not (a in bounded or b in bounded) or _exclusive(a, b)
     if a.is_by_lot and b.is_by_lot and len(a.target.entries) == len(b.target.entries):
@@ -487,7 +493,9 @@ def _target_text(w: Write) -> str:
 
 
 def _report(a: Write, b: Write, phase: ir.Phase, problems: Problems) -> None:
-    span, other = b.statement.origin, a.statement.origin
+    """Reports two writes of a phase that may disagree."""
+    span = b.statement.origin
+    other = a.statement.origin
     assert span is not None and other is not None
     labels = () if a is b else (Label(other, "the other write is here"),)
     if a.sort == b.sort == "place":
@@ -496,7 +504,8 @@ def _report(a: Write, b: Write, phase: ir.Phase, problems: Problems) -> None:
     elif {a.sort, b.sort} == {"set", "add"}:
         problems.add(errors.AddAndSet(span, labels=labels, name=_target_text(b), phase=phase.label))
     else:
-        owner, lot = a.target.name if a.target.of == "place" else a.target.of, ""
+        owner = a.target.name if a.target.of == "place" else a.target.of
+        lot = ""
         if a.is_by_lot and b.is_by_lot:
             lot = "those who draw lots together write the same: let both set the whole row, or both an entry of it"
         elif a.is_by_lot or b.is_by_lot:

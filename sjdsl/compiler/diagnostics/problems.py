@@ -82,10 +82,10 @@ class Problems:
         )
 
     @contextmanager
-    def survive(self, broken: set[K] | None = None, key: K | None = None) -> Iterator[None]:
-        """Goes on after something that could not be built.
+    def skip_if_broken(self, broken: set[K] | None = None, key: K | None = None) -> Iterator[None]:
+        """Skips the rest of the block, without an error, once something in it could not be built.
 
-        Its key joins `broken`, so that uses of it are not reported too.
+        The key of what was to be built joins `broken`, so that uses of it are not reported too.
         """
         try:
             yield
@@ -97,6 +97,6 @@ class Problems:
         """Returns what is built of each part, without those that could not be built."""
         built: list[T] = []
         for part in parts:
-            with self.survive():
+            with self.skip_if_broken():
                 built.append(build(part))
         return built

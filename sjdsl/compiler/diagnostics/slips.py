@@ -420,11 +420,13 @@ def slip(written: str, known: Collection[str], before: str = "") -> tuple[str, s
     each two. before: those that it follows.
     """
     for pattern, hint in _patterns(known):
+        # `LEFT ¦ RIGHT` applies only behind what matches LEFT.
         left, _, right = pattern.rpartition(" ¦ ")
         if not re.fullmatch(right, written):
             continue
         if left and not re.search(f"(^| )({left})$", before):
             continue
+        # A hint that begins with a single word in backticks proposes it.
         word = hint.split("`")[1] if hint.startswith("`") else ""
         if not re.fullmatch("[a-z]+|=+", word):
             return hint, ""

@@ -66,7 +66,7 @@ def elaborate(
     scope = Scope(static, problems)
     length = None
     trials = None
-    with problems.survive():
+    with problems.skip_if_broken():
         length, trials = episode(game, scope)
         know_steps(length, static)
     kinds = build_kinds(game, static, problems)
@@ -90,7 +90,7 @@ def elaborate(
     typed_checks = checks(game, checks_scope)
     typed_looks = looks(game, static, problems)
     typed_events: tuple[ir.Event, ...] = ()
-    with problems.survive():
+    with problems.skip_if_broken():
         phases = turns if start_phase is None else (start_phase, *turns)
         typed_events = events(phases, scope)
     typed_policies, policy_shapes = _policies_and_shapes(game, scope)

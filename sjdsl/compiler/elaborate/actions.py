@@ -58,7 +58,7 @@ def declare_actions(game: Composition, scope: Scope) -> None:
         if not action.arguments:
             actions.append(name)
             continue
-        with problems.survive(static.broken_actions, name):
+        with problems.skip_if_broken(static.broken_actions, name):
             declared = _with_arguments(action, len(actions), game, scope)
             static.with_arguments[name] = declared
             combinations = product(*map(_values, declared.arguments))
@@ -98,6 +98,7 @@ def _with_arguments(
 
 
 def _argument(argument: ast.Argument, scope: Scope) -> ir.ActionArgument:
+    """Returns the typed argument of an action."""
     type_ = field_type(argument.type, scope)
     match type_.kind:
         case "agent":
@@ -207,19 +208,19 @@ def _argument_value(
     if type_.kind == "word":
         check_known_word(tree, name, type_.words, scope)
     value = scope.expression(tree)
-    if isinstance(value, ir.Number) and type_.kind != "word" and not value.type.by:
+    if isinstance(value, ir.Number) and type_.kind != "word" and not value.type.indexed_by:
         _check_argument_number(value, tree, declared, name, scope)
         return value
     match type_.kind:
         case "agent":
             check_agent(value, tree, "an agent, or the number of one", scope)
         case "int":
-            if value.type.kind != "int" or value.type.by:
+            if value.type.kind != "int" or value.type.indexed_by:
                 raise wrong_type(scope, tree, "a whole number", value.type)
             join_types([type_, value.type], scope, "compare", tree)
         case _:
             value = narrow_word(value, scope.facts)
-            if value.type.kind != "word" or value.type.by:
+            if value.type.kind != "word" or value.type.indexed_by:
                 raise wrong_type(scope, tree, describe(type_), value.type)
             if isinstance(value, ir.Word):
                 check_words((value.value,), type_.words, tree.span, name, scope)
@@ -358,6 +359,7 @@ def forbids(game: Composition, scope: Scope) -> tuple[ir.Forbid, ...]:
 
 
 def _forbid(forbid: ast.Forbid, scope: Scope) -> ir.Forbid:
+    """Returns a typed `forbid`."""
     numbers: list[int] = []
     names: dict[int, ast.Name] = {}  # of arguments, by place; only a single action has some
     declared: ir.ActionWithArguments | None = None
@@ -369,7 +371,8 @@ def _forbid(forbid: ast.Forbid, scope: Scope) -> ir.Forbid:
         names = _new_names(chosen, declared, scope)
         if names and len(forbid.actions) > 1:
             wanted = "a number or a word where `forbid` lists several actions"
-            raise scope.misused(next(iter(names.values())), "a name for an argument", wanted)
+            first_name, *_ = names.values()
+            raise scope.misused(first_name, "a name for an argument", wanted)
         numbers += _forbidden_numbers(chosen, declared, names, scope)
     inner = scope
     if declared is not None and names:

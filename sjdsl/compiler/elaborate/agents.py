@@ -29,7 +29,7 @@ def override_number(
 def declare_number(game: Composition, scope: Scope) -> None:
     """Adds the number of agents to the tables."""
     if game.number is not None:
-        with scope.problems.survive():
+        with scope.problems.skip_if_broken():
             name = "the number of agents"
             scope.static.num_agents = scope.whole(game.number, name, name, 1, limits.MAX_AGENTS)
 
@@ -42,7 +42,7 @@ def declare_agents(game: Composition, scope: Scope) -> None:
     if game.moves is not None and game.moves.frame.text not in ("relative", "compass"):
         problems.unknown(game.moves.frame, ("relative", "compass"), "the ways of moving")
     for name, declared in game.agent_fields.items():
-        with problems.survive(static.broken, Symbol("field", name, "agent")):
+        with problems.skip_if_broken(static.broken, Symbol("field", name, "agent")):
             static.agent_fields[name] = one_field(declared, scope, AGENTS)
     span = game.agents_span or game.span
     if game.agents_span is None or game.number is None:
@@ -74,7 +74,7 @@ def _blocks(game: Composition, scope: Scope) -> tuple[ir.Block, ...]:
     """Returns the shapes whose lanes end at agents, or at those for whom a condition holds."""
     block_nodes: list[ir.Block] = []
     for blocks in game.agent_blocks.values():
-        with scope.problems.survive():
+        with scope.problems.skip_if_broken():
             for name in blocks.what:
                 if name.text == "agents":
                     help_ = (

@@ -29,6 +29,7 @@ from sjdsl.compiler.ir.types import (
 def mismatch(
     scope: Scope, span: Span, verb: str, left: ir.Type, right: ir.Type, help: str = ""
 ) -> Poisoned:
+    """Reports two operands whose units don't mix."""
     return scope.fail(
         errors.UnitMismatch(span, verb=verb, left=describe(left), right=describe(right), help=help)
     )
@@ -65,8 +66,8 @@ def calculation(
 
 
 def _are_rows_with_same_keys(types: Sequence[ir.Type]) -> bool:
-    by = types[0].by
-    return bool(by) and all(t.by == by and t.kind in ("int", "real") for t in types)
+    by = types[0].indexed_by
+    return bool(by) and all(t.indexed_by == by and t.kind in ("int", "real") for t in types)
 
 
 def _check_numbers(
@@ -140,7 +141,7 @@ def _result(operation: Calculation, e: ast.Expr, args: Sequence[ir.Expr], scope:
     if not operation.keeps_unit and (is_no_fraction or is_no_count):
         unit = "number"
     kind: Literal["int", "real"] = "int" if is_whole else "real"
-    return ir.Type(kind=kind, unit=unit, low=low, high=high, by=types[0].by)
+    return ir.Type(kind=kind, unit=unit, low=low, high=high, indexed_by=types[0].indexed_by)
 
 
 def _unit_mismatch(
@@ -204,7 +205,7 @@ def join_types(types: list[ir.Type], scope: Scope, verb: str, tree: ast.Expr) ->
     """Returns one type for values of several: their unit, hull of intervals, union of words."""
     joined = types[0]
     for other in types[1:]:
-        if joined.by != other.by:
+        if joined.indexed_by != other.indexed_by:
             raise mismatch(scope, tree.span, verb, joined, other)
         if {joined.kind, other.kind} <= {"int", "real"}:
             unit = join_units(joined.unit, other.unit)

@@ -55,6 +55,7 @@ def target_of(path: ast.Path, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
 
 
 def declaration(field: ir.FieldRead, scope: Scope) -> ir.VarField:
+    """Returns the declaration of a field that is read or written."""
     static = scope.static
     match field.held_by.what:
         case "world":
@@ -118,7 +119,7 @@ def add(s: ast.Add, scope: Scope) -> ir.Stmt:
         wanted = "a number, a row of numbers or a set of agents"
         help_ = "a timer is `set`; it falls at `tick`" if field.timer else ""
         raise wrong_type(scope, s.target, wanted, target.type, help_)
-    if value.type.by != target.type.by:
+    if value.type.indexed_by != target.type.indexed_by:
         raise wrong_type(scope, s.value, describe(target.type), value.type)
     check_number(s.value, target.type, value, scope)
     if target.type.kind == "int" and not field.capped:  # no other statement then adds to it
@@ -136,6 +137,7 @@ def add(s: ast.Add, scope: Scope) -> ir.Stmt:
 def _leaves_range(
     span: Span, target: ir.Expr, low: float, high: float, scope: Scope, help_: str = ""
 ) -> Poisoned:
+    """Reports a value that can be outside the range of the field it is written to."""
     return scope.fail(
         errors.FieldRange(
             span,

@@ -30,15 +30,16 @@ def case(e: ast.Case, scope: Scope) -> ir.Expr:
     subject = scope.narrowed(e.subject)
     if isinstance(subject, ir.Word):
         return _known_word(e, subject, scope)
-    if subject.type.kind in ("word", "condition") and not subject.type.by:
+    if subject.type.kind in ("word", "condition") and not subject.type.indexed_by:
         keys = _word_keys(e, subject, scope)
-    elif subject.type.kind == "int" and not subject.type.by:
+    elif subject.type.kind == "int" and not subject.type.indexed_by:
         keys = _number_keys(e, subject, scope)
     else:
         wanted = "a whole number, a word or a condition"
         raise wrong_type(scope, e.subject, wanted, subject.type)
 
     def arms_of(arm_and_key: tuple[ast.Arm, Key]) -> list[ir.Arm]:
+        """Returns the typed arms of one written arm: `otherwise` can stand for several ranges."""
         arm, key = arm_and_key
         inner = scope
         if subject.type.kind == "condition" and len(key) == 1:
@@ -76,6 +77,7 @@ def _known_word(e: ast.Case, subject: ir.Word, scope: Scope) -> ir.Expr:
 
 
 def _word_keys(e: ast.Case, subject: ir.Expr, scope: Scope) -> list[Key]:
+    """Returns the words of each arm; none for `otherwise`, which the caller fills."""
     names = ("yes", "no") if subject.type.kind == "condition" else subject.type.words
     seen: set[str] = set()
     keys: list[Key] = []
@@ -101,6 +103,7 @@ def _word_keys(e: ast.Case, subject: ir.Expr, scope: Scope) -> list[Key]:
 
 
 def _number_keys(e: ast.Case, subject: ir.Expr, scope: Scope) -> list[Key]:
+    """Returns the ranges of each arm; none for `otherwise`, which the caller fills."""
     taken: list[tuple[float, float]] = []
     keys: list[Key] = []
     for arm in e.arms:

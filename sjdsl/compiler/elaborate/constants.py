@@ -52,7 +52,7 @@ def constant(declared: ast.Constant, scope: Scope, override: object = None) -> N
         if not isinstance(value, tuple):  # the rest of the game is read with an allowed number
             value = type(value)(min(max(value, low), high))
     kind: Literal["int", "real"] = "int" if unit in INTEGER_UNITS else "real"
-    type_ = ir.Type(kind=kind, unit=unit, low=low, high=high, by=by)  # type: ignore[arg-type]
+    type_ = ir.Type(kind=kind, unit=unit, low=low, high=high, indexed_by=by)  # type: ignore[arg-type]
     if declared.is_size:
         type_ = type_.model_copy(update={"low": value, "high": value})
         static.sizes[name] = ir.Size(name=name, type=type_, value=value, origin=declared.span)
@@ -247,15 +247,16 @@ def _word(declared: ast.Constant, scope: Scope) -> tuple[ir.Type, str | tuple[st
         level, entries = _entries_by_words(declared.value, scope)
         by = (level,)
     values = tuple(_each_once(entries, lambda entry: _one_word(entry, scope)))
-    sets = [level.names for level in by if level.sort == "word"] + scope.static.word_sets
+    sets = [level.names for level in by if level.kind == "word"] + scope.static.word_sets
     words = next((words for words in sets if set(values) <= set(words)), None)
     if words is None:
         raise scope.fail(errors.NeverEqual(declared.value.span))
-    type_ = ir.Type(kind="word", words=words, by=by)
+    type_ = ir.Type(kind="word", words=words, indexed_by=by)
     return type_, values if by else values[0]
 
 
 def _one_word(tree: Tree, scope: Scope) -> str:
+    """Returns the word that a value is."""
     if isinstance(tree, ast.Table):
         raise scope.expected(tree.span, "a word", "a table")
     built = scope.expression(tree)

@@ -22,6 +22,7 @@ def with_declaration_labels(diagnostics: list[Diagnostic], game: Composition) ->
 
 
 def _with_label(diagnostic: Diagnostic, game: Composition) -> Diagnostic:
+    """Returns a message with a label at the declaration that it is about."""
     span: Span | None
     match diagnostic:
         case errors.WordOutside():

@@ -68,7 +68,7 @@ def declare_numbers(
     def declare(constants: list[ast.Constant]) -> None:
         for declared in constants:
             name = declared.name.text
-            with problems.survive(static.broken, Symbol("name", name)):
+            with problems.skip_if_broken(static.broken, Symbol("name", name)):
                 constant(declared, scope, overrides.get(name))
 
     declare(others)
@@ -152,7 +152,7 @@ def declare_world(game: Composition, static: Static, problems: Problems) -> None
     _check_counts(game, problems)
     scope = Scope(static, problems)
     for name, shape in game.shapes.items():
-        with problems.survive(static.broken, Symbol("shape", name)):
+        with problems.skip_if_broken(static.broken, Symbol("shape", name)):
             static.shapes[name] = shapes.declared(shape, scope)
     static.mover_sorts = tuple(game.movers)
     static.cell_types = {kind: (kind,) for kind in game.kinds}
@@ -160,21 +160,21 @@ def declare_world(game: Composition, static: Static, problems: Problems) -> None
         static.cell_types[name] = tuple(kind.text for kind in group.kinds)
     for name, event in static.events.items():
         if event.by is not None:
-            with problems.survive():
+            with problems.skip_if_broken():
                 static.event_levels[name] = level_of(event.by, scope)
     for name, kind in game.kinds.items():
-        with problems.survive(static.broken, Symbol("name", name)):
+        with problems.skip_if_broken(static.broken, Symbol("name", name)):
             static.kinds[name] = fields_of(kind.attributes, scope, ir.Sort("cell", (name,)))
             _glyphs(kind, scope)
     for name, group in game.groups.items():
-        with problems.survive(static.broken, Symbol("name", name)):
+        with problems.skip_if_broken(static.broken, Symbol("name", name)):
             for kind_name in group.kinds:
                 if kind_name.text not in static.kinds:
                     raise problems.unknown(kind_name, static.kinds, "the kinds")
                 static.refer(kind_name, Symbol("name", kind_name.text))
             static.groups[name] = static.cell_types[name]
     for name, field in game.fields.items():
-        with problems.survive(static.broken, Symbol("name", name)):
+        with problems.skip_if_broken(static.broken, Symbol("name", name)):
             static.fields[name] = one_field(field, scope, ir.Sort("world"))
     declare_trial(game, scope)
     declare_task(game, scope)
@@ -227,7 +227,7 @@ def _starts(
             scope.problems.add(errors.NoField(name.span, owner=owner, name=name.text, near=meant))
             continue
         scope.static.refer(name, symbol)
-        with scope.problems.survive():
+        with scope.problems.skip_if_broken():
             start = starting(tree, name.text, fields[name.text].type, scope)
             starts.append((name.text, start))
     return tuple(starts)
@@ -245,7 +245,7 @@ def build_kinds(game: Composition, static: Static, problems: Problems) -> tuple[
         blocks: list[ir.Block] = []
         for attribute in kind.attributes:
             if isinstance(attribute, ast.Blocks):
-                with problems.survive():
+                with problems.skip_if_broken():
                     blocks += _blocks(attribute, name, scope)
         kinds.append(
             ir.Kind(

@@ -144,6 +144,7 @@ def when_back(who: ir.Expr, scope: Scope, help_: str) -> Scope:
 def _restriction(
     restriction: ast.Near | ast.Path | ast.Members, var: ir.Member, scope: Scope
 ) -> ir.Restriction:
+    """Returns what members of a domain are restricted to: `in beam of x`, `in { x, y }`, `in s`."""
     match restriction:
         case ast.Near():
             return near(restriction.shape, restriction.anchor, scope)
@@ -157,7 +158,7 @@ def _restriction(
             return ir.Among(members=members, origin=restriction.span)
         case ast.Path():
             value = scope.expression(restriction)
-            if is_member(var, "cell") and value.type.kind == "cell" and not value.type.by:
+            if is_member(var, "cell") and value.type.kind == "cell" and not value.type.indexed_by:
                 if not set(var.kinds) & set(value.type.kinds):
                     raise scope.fail(errors.NeverOneCell(restriction.span))
                 return ir.InCell(value=value, origin=restriction.span)

@@ -52,7 +52,7 @@ def body(e: ast.Path, scope: Scope) -> ir.Expr:
 def receiver(e: ast.Path, scope: Scope) -> ir.Expr:
     """Returns one agent or a set of agents."""
     built = scope.expression(e)
-    if built.type.kind == "agents" and not built.type.by:
+    if built.type.kind == "agents" and not built.type.indexed_by:
         return built
     wanted = "an agent or a set of agents"
     if is_member(built, "mover"):
@@ -66,6 +66,7 @@ def receiver(e: ast.Path, scope: Scope) -> ir.Expr:
 
 
 def give(s: ast.Give, scope: Scope) -> ir.Stmt:
+    """Returns a typed `give`."""
     try:
         value = scope.number(s.value, ("reward",), "a reward")
     except Poisoned:
@@ -82,6 +83,7 @@ def give(s: ast.Give, scope: Scope) -> ir.Stmt:
 
 
 def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
+    """Returns a typed `tally`."""
     static = scope.static
     name = s.event.name
     event = static.events.get(name.text)

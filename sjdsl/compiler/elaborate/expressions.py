@@ -163,11 +163,11 @@ def identity(e: ast.Binary, scope: Scope) -> ir.Expr:
     except Poisoned:
         read_beside(e.right, scope)
         raise
-    if left.type.kind == "word" and not left.type.by:
+    if left.type.kind == "word" and not left.type.indexed_by:
         check_known_word(e.right, left, left.type.words, scope)
     right = scope.expression(e.right)
     for tree, side in ((e.left, left), (e.right, right)):
-        if side.type.by:
+        if side.type.indexed_by:
             raise wrong_type(scope, tree, "a single value", side.type)
     if isinstance(left, ir.Word) and isinstance(right, ir.Word):  # a phase's argument
         return ir.Truth(value=left.value == right.value, origin=e.span)
@@ -219,6 +219,7 @@ def _not_identical(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -
 
 
 def chose(e: ast.Chose, scope: Scope) -> ir.Expr:
+    """Returns `x chose ACTION`."""
     agent = named_agent(scope.expression(e.agent), e.agent, scope)
     name = e.action.name.text
     argument = scope.variables.get(name)
@@ -286,6 +287,7 @@ def _read_container(e: ast.Within, scope: Scope) -> None:
 
 
 def _in_words(e: ast.Within, container: ast.Words, value: ir.Expr, scope: Scope) -> ir.Expr:
+    """Returns `value in { a, b }`."""
     if value.type.kind != "word":
         raise wrong_type(scope, e.value, "a word", value.type)
     names = tuple(name.text for name in container.names)
@@ -367,10 +369,11 @@ def calculated(function: Function, e: ast.Call, scope: Scope) -> ir.Expr:
 
 
 def matrix_class(function: Function, e: ast.Call, scope: Scope) -> ir.Expr:
+    """Returns whether a payoff matrix is of a class of games, which only checks may ask."""
     table = scope.expression(e.arguments[0])
     if scope.part != "checks":
         raise scope.misused(e.name, "a class of games", "a value")
-    levels = table.type.by
+    levels = table.type.indexed_by
     is_matrix = len(levels) == 2 and len(levels[0]) == 2 and levels[0] == levels[1]
     if not isinstance(table, ir.ParamRef) or not is_matrix:
         wanted = "a table of two words by the same two words"

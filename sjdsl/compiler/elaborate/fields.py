@@ -49,7 +49,9 @@ def fields_of(
         if name in fields:
             scope.problems.add(errors.WrittenTwice(attribute.name.span, part=f"the field `{name}`"))
             continue
-        with scope.problems.survive(scope.static.broken, Symbol("field", name, held_by.name)):
+        with scope.problems.skip_if_broken(
+            scope.static.broken, Symbol("field", name, held_by.name)
+        ):
             fields[name] = one_field(attribute, scope, held_by)
     return fields
 
@@ -70,7 +72,7 @@ def one_field(declared: ast.Field | ast.Timer, scope: Scope, held_by: ir.Sort) -
     type_ = field_type(declared.type, scope)
     start = start_value(declared, type_, scope)
     if declared.by is not None:
-        type_ = type_.model_copy(update={"by": (level_of(declared.by, scope),)})
+        type_ = type_.model_copy(update={"indexed_by": (level_of(declared.by, scope),)})
     capped = False
     if isinstance(declared.type, ast.Range):
         capped = declared.type.capped
@@ -82,6 +84,7 @@ def one_field(declared: ast.Field | ast.Timer, scope: Scope, held_by: ir.Sort) -
 
 
 def field_type(declared: ast.Type, scope: Scope) -> ir.Type:
+    """Returns the type of a field, without what it is indexed by."""
     static = scope.static
     match declared:
         case ast.Words():
@@ -109,6 +112,7 @@ def field_type(declared: ast.Type, scope: Scope) -> ir.Type:
 
 
 def _range_type(declared: ast.Range, scope: Scope) -> ir.Type:
+    """Returns the type of a field with a range of whole numbers."""
     low_unit = scope.expression(declared.low).type.unit
     high_unit = scope.expression(declared.high).type.unit
     low = scope.fixed(declared.low, "the range of a field")

@@ -23,7 +23,7 @@ def fitting_value(tree: ast.Expr, owner: ir.Expr, type_: ir.Type, scope: Scope) 
     value = scope.narrowed(tree)
     if type_.kind == "cell":
         value = or_nowhere(value)
-    if value.type.by and value.type.by != type_.by:
+    if value.type.indexed_by and value.type.indexed_by != type_.indexed_by:
         raise wrong_type(scope, tree, describe(type_), value.type)
     match type_.kind:
         case "word":

@@ -66,17 +66,17 @@ def key_of(tree: ast.Expr, row: ir.Expr | str, level: Level, scope: Scope) -> ir
         "word": "a word",
         "agent": "an agent",
         "number": f"a number from {level.names[0]} to {level.names[-1]}",
-    }[level.sort]
-    if level.sort == "word":
+    }[level.kind]
+    if level.kind == "word":
         check_known_word(tree, row, level.names, scope)
     key = scope.narrowed(tree)
-    if key.type.by or (key.type.kind == "mix" and isinstance(row, str)):
+    if key.type.indexed_by or (key.type.kind == "mix" and isinstance(row, str)):
         raise wrong_type(scope, tree, wanted, key.type)
     if key.type.kind == "mix":
         if key.type.words != level.names:
             raise not_a_word(tree.span, "mix", row, level.names, scope)
         return key
-    match level.sort:
+    match level.kind:
         case "word":
             if key.type.kind != "word":
                 raise wrong_type(scope, tree, wanted, key.type)
@@ -122,7 +122,7 @@ def entries_of(tree: Tree, level: Level, scope: Scope) -> list[Tree]:
     if otherwise is not None:
         if otherwise is not tree.entries[-1]:
             raise scope.fail(errors.OtherwiseNotLast(otherwise.span))
-        if not lacking and level.sort != "agent":
+        if not lacking and level.kind != "agent":
             raise scope.fail(errors.NothingForOtherwise(otherwise.span))
         values |= dict.fromkeys(lacking, otherwise.value)
     elif lacking:
@@ -133,7 +133,7 @@ def entries_of(tree: Tree, level: Level, scope: Scope) -> list[Tree]:
 
 def _is_key(text: str, level: Level) -> bool:
     """Returns whether the key of a table may be meant for an entry of a level."""
-    if level.sort == "word":
+    if level.kind == "word":
         return text == OTHERWISE or text in level.names
     return text == OTHERWISE or text[0].isdigit()
 
@@ -141,7 +141,7 @@ def _is_key(text: str, level: Level) -> bool:
 def _places(entry: ast.Entry, level: Level, scope: Scope) -> Iterator[int]:
     """Yields the places in a level that a key stands for: `cut`, `3`, `1 .. 3` or `2 ..`."""
     text = entry.key.text
-    if level.sort == "word":
+    if level.kind == "word":
         if text not in level.names:
             raise not_among(entry.key, level.names, "this table", scope)
         scope.static.refer(entry.key, Symbol("word", text))
@@ -152,7 +152,7 @@ def _places(entry: ast.Entry, level: Level, scope: Scope) -> Iterator[int]:
     ends = [int(part) for part in text.replace("..", " ").split()]
     low = ends[0]
     high = level.last if text.endswith("..") else ends[-1]
-    if level.sort == "agent" and low <= ends[-1]:  # a table fits variants with fewer agents
+    if level.kind == "agent" and low <= ends[-1]:  # a table fits variants with fewer agents
         if high > level.last and scope.static.number_from_file:
             problem = f"the agents are 0 .. {level.last}"
             scope.problems.add(errors.NeverHappens(entry.key.span, problem=problem))

@@ -53,6 +53,7 @@ def looks(game: Composition, static: Static, problems: Problems) -> tuple[ir.Loo
 
 
 def _look(look: ast.Look, scope: Scope) -> ir.Look:
+    """Returns a typed `look`."""
     static = scope.static
     name = look.what.text
     sort = static.sort_of(name)

@@ -66,7 +66,7 @@ def kinds_of_cell(e: ir.Expr) -> tuple[str, ...] | None:
     """
     if is_member(e, "cell"):
         return e.kinds
-    is_row = bool(e.type.by)
+    is_row = bool(e.type.indexed_by)
     return e.type.kinds if e.type.kind == "cell" and not is_row else None
 
 
@@ -217,11 +217,11 @@ def read_beside(tree: ast.Expr, scope: Scope) -> None:
     everywhere, and all declarations could be read.
     """
     if not isinstance(tree, ast.Path) or tree.steps:
-        with scope.problems.survive():
+        with scope.problems.skip_if_broken():
             scope.after_unreadable_guard().expression(tree)
     elif not scope.static.broken:
         tried = Problems()
-        with tried.survive():
+        with tried.skip_if_broken():
             scope.but(problems=tried).expression(tree)
         for problem in tried.diagnostics:
             if isinstance(problem, errors.UnknownName):

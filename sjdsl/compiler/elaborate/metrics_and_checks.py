@@ -38,6 +38,7 @@ def requires(game: Composition, scope: Scope) -> tuple[ir.Expr, ...]:
     """
 
     def requirement(check: ast.Require) -> ir.Expr:
+        """Returns the condition of a `require`, which reads only what is fixed before an episode."""
         test = _required(check, scope)
         for node in ir.walk(test):
             if isinstance(node, CHANGING):
@@ -65,6 +66,7 @@ def _with_map_counts(test: ir.Expr, static: Static) -> ir.Expr:
     """
 
     def counted(node: ir.Node) -> ir.Node:
+        """Returns a count that the map decides as its number, and other nodes as they are."""
         if not isinstance(node, ir.Count):
             return node
         members = _members_at_start(node.domain, static)
@@ -110,8 +112,9 @@ def _holds_at_start(
     starts |= dict(meaning.starts)
 
     def start(e: ir.Expr) -> Any:
+        """Returns the value that a field of the cell has at the start."""
         match e:
-            case ir.FieldRead(owner=ir.Member(name=cell.name)) if not e.type.by:
+            case ir.FieldRead(owner=ir.Member(name=cell.name)) if not e.type.indexed_by:
                 return starts[e.name]
             case _:
                 raise UnknownValue
@@ -175,24 +178,25 @@ def checks(game: Composition, scope: Scope) -> tuple[ir.Check, ...]:
 
 
 def _check(check: ast.Check, game: Composition, scope: Scope) -> ir.Check:
+    """Returns a typed check."""
     steps = replace(scope, about_steps=True)
     match check:
         case ast.Require():
             values = (_required(check, scope),)
-            return ir.Check(sort="require", values=values, origin=check.span)
+            return ir.Check(kind="require", values=values, origin=check.span)
         case ast.Always():
             values = (steps.condition(check.condition),)
-            return ir.Check(sort="always", values=values, origin=check.span)
+            return ir.Check(kind="always", values=values, origin=check.span)
         case ast.Once():
             trigger = steps.condition(check.trigger)
             condition = steps.condition(check.condition)
-            return ir.Check(sort="once", values=(trigger, condition), origin=check.span)
+            return ir.Check(kind="once", values=(trigger, condition), origin=check.span)
         case ast.Conserved():
             value = scope.expression(check.value)
-            if value.type.by or value.type.kind not in ("int", "real", "word", "condition"):
+            if value.type.indexed_by or value.type.kind not in ("int", "real", "word", "condition"):
                 wanted = "one value (a number, a word, a condition)"
                 raise wrong_type(scope, check.value, wanted, value.type)
-            return ir.Check(sort="conserved", values=(value,), origin=check.span)
+            return ir.Check(kind="conserved", values=(value,), origin=check.span)
         case ast.Monotone():
             return _monotone(check, scope)
         case ast.Symmetric():
@@ -202,12 +206,12 @@ def _check(check: ast.Check, game: Composition, scope: Scope) -> ir.Check:
                 raise scope.problems.unknown(check.what, known, "the symmetries")
             if name in scope.static.movers:
                 scope.static.refer(check.what, Symbol("name", name))
-            return ir.Check(sort="symmetric", words=(name,), origin=check.span)
+            return ir.Check(kind="symmetric", words=(name,), origin=check.span)
         case ast.Expect():
             test = scope.condition(check.condition)
             policies = tuple(_policy(p, game, scope) for p in check.policies)
             return ir.Check(
-                sort="expect",
+                kind="expect",
                 values=(test,),
                 policies=policies,
                 episodes=check.episodes,
@@ -216,6 +220,7 @@ def _check(check: ast.Check, game: Composition, scope: Scope) -> ir.Check:
 
 
 def _monotone(check: ast.Monotone, scope: Scope) -> ir.Check:
+    """Returns a check that one define falls or rises with another."""
     values = []
     for name in (check.value, check.argument):
         if name.text not in scope.static.defines:
@@ -232,10 +237,11 @@ def _monotone(check: ast.Monotone, scope: Scope) -> ir.Check:
     if check.direction.text not in ("falling", "rising"):
         raise scope.problems.unknown(check.direction, ("falling", "rising"), "the directions")
     words = (check.direction.text, check.value.text, check.argument.text)
-    return ir.Check(sort="monotone", values=tuple(values), words=words, origin=check.span)
+    return ir.Check(kind="monotone", values=tuple(values), words=words, origin=check.span)
 
 
 def _policy(policy: ast.Policy, game: Composition, scope: Scope) -> ir.Policy:
+    """Returns a policy of an `expect`."""
     name = policy.name.text
     if policy.domain is not None:
         goal, _ = domain(policy.domain, scope.bind_member("agent", AGENTS))

@@ -21,7 +21,7 @@ def declare_movers(game: Composition, scope: Scope) -> None:
     """Adds the movers to the tables, each with a field `heading`, which rules may set."""
     for declared in game.movers.values():
         name = declared.name.text
-        with scope.problems.survive(scope.static.broken, Symbol("name", name)):
+        with scope.problems.skip_if_broken(scope.static.broken, Symbol("name", name)):
             sort = ir.Sort("mover", (name,))
             heading = ir.VarField(
                 name="heading",
@@ -73,7 +73,7 @@ def heading_of(who: ir.Expr, span: Span) -> ir.Expr:
 def check_heading(heading: ir.Expr, tree: ast.Expr, wanted: str, scope: Scope) -> None:
     """Reports a value that isn't a heading. wanted: what the message asks for."""
     type_ = heading.type
-    if type_.kind != "word" or type_.by or not set(type_.words) <= set(HEADINGS):
+    if type_.kind != "word" or type_.indexed_by or not set(type_.words) <= set(HEADINGS):
         raise wrong_type(scope, tree, wanted, type_)
 
 
@@ -104,8 +104,13 @@ def move(s: ast.Move, scope: Scope, use: PhaseUse) -> ir.Stmt:
 
 
 def _course(c: ast.Course, var: ir.Member, scope: Scope, stream: int) -> ir.Wander | ir.Along:
+    """Returns the way that a mover goes."""
+
     def optional(d: ast.Domain | None) -> ir.Domain | None:
-        return None if d is None else domain(d, scope)[0]
+        if d is None:
+            return None
+        typed, _ = domain(d, scope)
+        return typed
 
     match c:
         case ast.Toward() | ast.AwayFrom():

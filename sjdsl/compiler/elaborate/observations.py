@@ -50,7 +50,7 @@ def observables(
     for observable in game.observables.values():
         kinds = set(static.kinds_of(observable.what.name.text) or ()) - broken_kinds
         broken_kinds |= kinds
-        with scope.problems.survive():
+        with scope.problems.skip_if_broken():
             if isinstance(observable, ast.Show):
                 _show(observable, seen, shown, scope)
             elif not _is_of_a_plane(observable, static):
@@ -69,7 +69,7 @@ def _seen_by_default(static: Static) -> dict[Key, ir.Observable]:
     seen: dict[Key, ir.Observable] = {}
     for kind, fields in static.kinds.items():
         for field in fields.values():
-            if field.type.kind == "word" and not field.type.by:
+            if field.type.kind == "word" and not field.type.indexed_by:
                 seen["cell", kind, field.name] = ir.Observable(
                     what="cell", kind=kind, field=field.name, type=field.type, origin=field.origin
                 )
@@ -146,11 +146,11 @@ def _entries(observable: ir.Observable) -> list[ir.Observable]:
 
     Labels of a row by agent or by numbers may be about all its entries, and are one plane.
     """
-    if not observable.type.by:
+    if not observable.type.indexed_by:
         return [observable]
     type_ = element(observable.type)
-    level = observable.type.by[0]
-    if observable.labels and level.sort != "word":
+    level = observable.type.indexed_by[0]
+    if observable.labels and level.kind != "word":
         return [observable.model_copy(update={"type": type_})]
     return [observable.model_copy(update={"type": type_, "word": entry}) for entry in level.entries]
 
@@ -224,7 +224,7 @@ def _shown(show: ast.Show, target: Seen, field: ir.VarField, scope: Scope) -> ir
         observer = observer.knowing([condition])
     labels = _labels(show, what, observer)
     type_ = field.type
-    if not labels and type_.kind == "agent" and not type_.by:
+    if not labels and type_.kind == "agent" and not type_.indexed_by:
         labels = _agent_labels(target.key, field)
     elif not labels:
         _check_plain(show, what, type_, scope)
@@ -378,6 +378,7 @@ def hidden(game: Composition, scope: Scope) -> tuple[ir.Hidden, ...]:
 
 
 def _hidden(hide: ast.Hide, scope: Scope) -> ir.Hidden:
+    """Returns a typed `hide` of marks or contents."""
     static = scope.static
     plane = hide.what.name.text
     on = hide.on

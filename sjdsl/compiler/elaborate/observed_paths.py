@@ -106,7 +106,7 @@ def _computed(path: ast.Path, scope: Scope) -> Seen:
     observer = observer_scope("world", "", "", scope)
     value = observer.expression(path)
     name = path.name.text
-    if value.type.by or value.type.kind in ("member", "mix"):
+    if value.type.indexed_by or value.type.kind in ("member", "mix"):
         raise wrong_type(observer, path, "a single value", value.type)
     if value.type.kind == "condition":
         type_ = words(("no", "yes"))

@@ -82,7 +82,7 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
         static.refer(e.name, Symbol("metric", name))
         type_ = integer(0, inf, "count")
         if name in static.event_levels and e.steps:
-            type_ = type_.model_copy(update={"by": (static.event_levels[name],)})
+            type_ = type_.model_copy(update={"indexed_by": (static.event_levels[name],)})
         return ir.EventTotal(type=type_, name=name, origin=e.span)
     if static.is_word(name):
         static.refer(e.name, Symbol("word", name))
@@ -177,7 +177,7 @@ def placed(tree: ast.Expr, place: ir.Expr, question: str, scope: Scope) -> ir.Ex
 
     question: the expression that needs the place.
     """
-    if place.type.kind == "cell" and not place.type.by:
+    if place.type.kind == "cell" and not place.type.indexed_by:
         check_somewhere(place, tree.span, scope)
         return place
     if isinstance(place, ir.Nobody):
@@ -192,6 +192,7 @@ def placed(tree: ast.Expr, place: ir.Expr, question: str, scope: Scope) -> ir.Ex
 
 
 def cell_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
+    """Returns an attribute or a field of a cell."""
     static = scope.static
     check_somewhere(owner, name.span, scope)
     kinds = kinds_of_cell(owner) or ()
@@ -225,10 +226,10 @@ def cell_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
 
 def index(row: ir.Expr, step: ast.Index, scope: Scope) -> ir.Expr:
     """Returns `row[key]`, or a mix over the entries of the row."""
-    if not row.type.by:
+    if not row.type.indexed_by:
         wanted = "a row or table before `[`"
         raise scope.expected(step.span, wanted, describe(row.type))
-    level = row.type.by[0]
+    level = row.type.indexed_by[0]
     key = key_of(step.key, row, level, scope)
     type_ = element(row.type)
     if isinstance(row, ir.EventTotal):

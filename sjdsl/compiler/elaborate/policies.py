@@ -28,6 +28,7 @@ def policies(game: Composition, scope: Scope) -> tuple[ir.ScriptedPolicy, ...]:
     """
 
     def scripted(policy: ast.ScriptedPolicy) -> ir.ScriptedPolicy:
+        """Returns a typed policy."""
         name = policy.name
         if name.text in (*WITHOUT_RULES, *OF_EXPECT):
             raise scope.fail(
@@ -63,6 +64,7 @@ def _rules(
 
 
 def _rule(rule: ast.Act | ast.Go | ast.Aim, scope: Scope) -> ir.PolicyRule:
+    """Returns a typed rule of a scripted policy."""
     if isinstance(rule, ast.Act):
         test = scope.condition(rule.condition)
         action, chosen, given = _action(rule.action, scope.knowing([test]))
@@ -110,6 +112,7 @@ def scenarios(game: Composition, scope: Scope) -> tuple[ir.Scenario, ...]:
     has_written_number = static.number_from_file
 
     def typed(scenario: ast.Scenario) -> ir.Scenario:
+        """Returns a typed scenario, whose slots are as many as agents."""
         slots = tuple(_slots(part, game, scope) for part in scenario.slots)
         name = scenario.name.text
         span = scenario.name.span
@@ -130,6 +133,7 @@ def scenarios(game: Composition, scope: Scope) -> tuple[ir.Scenario, ...]:
 
 
 def _slots(part: ast.Slots, game: Composition, scope: Scope) -> ir.Slots:
+    """Returns the typed slots of a scenario: how many, and which policy plays there."""
     value = scope.fixed(part.number, "a number of slots")
     number = int(value)
     if value != number:

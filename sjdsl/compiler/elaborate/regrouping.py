@@ -39,7 +39,10 @@ def _parts(e: ast.Expr) -> tuple[list[ast.Expr], list[ast.Expr]]:
     if not isinstance(e, ast.Binary) or e.op not in ("*", "/"):
         return [e], []
     factors, divisors = _parts(e.left)
-    (factors if e.op == "*" else divisors).append(e.right)
+    if e.op == "*":
+        factors.append(e.right)
+    else:
+        divisors.append(e.right)
     return factors, divisors
 
 

@@ -18,17 +18,17 @@ def row_of_numbers(
 ) -> ir.Expr:
     """Returns a row of numbers, or says that `wanted` is wanted."""
     row = scope.expression(tree)
-    if len(row.type.by) != 1 or row.type.kind not in ("int", "real"):
+    if len(row.type.indexed_by) != 1 or row.type.kind not in ("int", "real"):
         raise wrong_type(scope, tree, wanted, row.type, help_)
     return row
 
 
 def sum_of_row(row: ir.Expr, origin: Span | None = None) -> ir.SumRow:
     """Returns the sum of all entries."""
-    n = len(row.type.by[0])
+    n = len(row.type.indexed_by[0])
     low = row.type.low * n
     high = row.type.high * n
-    type_ = row.type.model_copy(update={"by": (), "low": low, "high": high})
+    type_ = row.type.model_copy(update={"indexed_by": (), "low": low, "high": high})
     return ir.SumRow(type=beyond_one(type_), row=row, origin=origin)
 
 
@@ -42,8 +42,8 @@ def beyond_one(type_: ir.Type) -> ir.Type:
 def lowest(function: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     """Returns `lowest(row)` or `highest(row)`."""
     row = row_of_numbers(e.arguments[0], scope)
-    level = row.type.by[0]
-    match level.sort:
+    level = row.type.indexed_by[0]
+    match level.kind:
         case "agent":
             wanted = "a row by words or numbers"
             raise wrong_type(scope, e.arguments[0], wanted, row.type, NO_ORDER)
@@ -63,16 +63,16 @@ def mix(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     least, _most = narrowed(entries, scope.facts)
     if least <= 0 and not compares(entries, ">", 0, scope.facts):
         raise scope.fail(errors.EmptyMix(e.span, row=text(row)))
-    type_ = ir.Type(kind="mix", words=row.type.by[0].names)
+    type_ = ir.Type(kind="mix", words=row.type.indexed_by[0].names)
     return ir.Mix(type=type_, row=row, origin=e.span)
 
 
 def shifted(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     """Returns `shift(row, n, filler)`: entries moved on by n places, the filler in free ones."""
     row = scope.expression(e.arguments[0])
-    if len(row.type.by) != 1:
+    if len(row.type.indexed_by) != 1:
         raise wrong_type(scope, e.arguments[0], "a row", row.type)
-    if row.type.by[0].sort == "agent":
+    if row.type.indexed_by[0].kind == "agent":
         raise wrong_type(scope, e.arguments[0], "a row by words or numbers", row.type, NO_ORDER)
     by = scope.fixed(e.arguments[1], "by how many places a row is shifted")
     if by != int(by):

@@ -33,7 +33,7 @@ def start(game: Composition, scope: Scope) -> ir.Phase | None:
     if phase is None:
         scope.problems.add(errors.NoStart(game.span))
         return None
-    with scope.problems.survive():
+    with scope.problems.skip_if_broken():
         check_arguments("start", phase.name.span, len(phase.parameters), 0, scope)
     return _typed_phase(phase, "start", "start", {}, replace(scope, part="start"))
 
@@ -53,7 +53,7 @@ def schedule(game: Composition, scope: Scope) -> tuple[ir.Turn, ...]:
     functions = Names({"start", "draw_task"})
     turns: list[ir.Turn] = []
     for turn in game.schedule.turns:
-        with scope.problems.survive():
+        with scope.problems.skip_if_broken():
             if turn.name.text == "tick":
                 check_arguments("tick", turn.span, len(turn.arguments), 0, scope)
                 turns.append(ir.Tick(origin=turn.span))

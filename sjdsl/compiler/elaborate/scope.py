@@ -223,7 +223,7 @@ class Scope(Record):
     def condition(self, e: ast.Expr) -> ir.Expr:
         """Returns a condition; reports anything else."""
         built = self.expression(e)
-        if built.type.kind != "condition" or built.type.by:
+        if built.type.kind != "condition" or built.type.indexed_by:
             raise wrong_type(self, e, "a condition", built.type)
         return built
 

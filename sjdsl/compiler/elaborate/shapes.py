@@ -155,6 +155,7 @@ def _around(name: str, r: int, has_centre: bool) -> tuple[tuple[Offset, ...], ..
 
 
 def _directed(name: str, numbers: list[int]) -> tuple[tuple[Offset, ...], ...]:
+    """Returns the lanes of a `beam` or `fan`, cells as (ahead, right)."""
     length = numbers[0]
     lanes = [tuple((ahead, 0) for ahead in range(1, length + 1))]
     if name == "fan":

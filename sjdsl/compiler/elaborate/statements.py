@@ -86,6 +86,7 @@ def inside(b: ast.Block, header: str, scope: Scope, use: PhaseUse) -> tuple[ir.S
 
 
 def let(s: ast.Let, scope: Scope) -> tuple[ir.Stmt, Scope]:
+    """Returns a typed `let`, and the scope after it."""
     value = scope.narrowed(s.value)
     check_free(s.name, scope, chosen=True)
     if isinstance(value, ir.Member):
@@ -100,6 +101,7 @@ def let(s: ast.Let, scope: Scope) -> tuple[ir.Stmt, Scope]:
 
 
 def draw(s: ast.Draw, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
+    """Returns a typed `draw`, and the scope after it."""
     check_free(s.name, scope, chosen=True)
     stream = use.streams.of_statement(use.streams.header(s.span))
     name = s.name.text
@@ -128,7 +130,7 @@ def _of_row(s: ast.Draw, by: ast.By, one: ir.Draw, scope: Scope) -> ir.Draw:
     if isinstance(by, ast.Words):
         _check_declared(by.names, scope)
     level = level_of(by, scope)
-    type_ = one.type.model_copy(update={"by": (level,)})
+    type_ = one.type.model_copy(update={"indexed_by": (level,)})
     drawn = one.model_copy(update={"type": type_, "by": level, "different": s.different})
     if s.different:
         if one.weights:
@@ -291,6 +293,7 @@ def _check_sum(weights: Sequence[ir.Expr], span: Span, scope: Scope) -> None:
 
 
 def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) -> ir.Stmt:
+    """Returns a typed `each`, `pick` or `first`."""
     header = use.streams.header(s.span, s.block)
     number = _number_picked(s, scope) if isinstance(s, ast.Pick) else None
     members, inner = _domain(s.domain, scope)
@@ -322,6 +325,7 @@ def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) 
 
 
 def _number_picked(s: ast.Pick, scope: Scope) -> ir.Expr:
+    """Returns the number of members that a `pick` takes."""
     number = scope.not_negative(s.number, ("count",), "a count", "the number picked")
     is_literal = number.type.unit == "number"  # the value of a size can be changed
     if is_literal and number.type.high <= 0:
@@ -361,6 +365,7 @@ def other_branch(b: ast.Otherwise, header: str, scope: Scope, use: PhaseUse) -> 
 
 
 def match_(s: ast.Match, scope: Scope, use: PhaseUse) -> ir.Stmt:
+    """Returns a typed `match`."""
     header = use.streams.header(s.span, s.block)
     stream = use.streams.of_statement(header)
     left, inner = _domain(s.left, scope)

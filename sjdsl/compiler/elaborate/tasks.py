@@ -25,18 +25,19 @@ def declare_task(game: Composition, scope: Scope) -> None:
         if number:
             scope.problems.add(errors.SecondTask(task.name.span, name=task.name.text))
         for field in task.fields:
-            with scope.problems.survive(static.broken, Symbol("name", field.name.text)):
+            with scope.problems.skip_if_broken(static.broken, Symbol("name", field.name.text)):
                 static.fields[field.name.text] = _declared(field, scope)
                 static.task_fields.add(field.name.text)
 
 
 def _declared(field: ast.TaskField, scope: Scope) -> ir.VarField:
+    """Returns the field of a task."""
     if not isinstance(field.type, ast.Words | ast.Range):
         raise scope.expected(field.type.span, "words or a range of numbers", "another type")
     type_ = field_type(field.type, scope)
     start = type_.words[0] if type_.kind == "word" else int(type_.low)
     if field.by is not None:
-        type_ = type_.model_copy(update={"by": (level_of(field.by, scope),)})
+        type_ = type_.model_copy(update={"indexed_by": (level_of(field.by, scope),)})
     name = field.name.text
     if any(isinstance(node, ast.Path) for node in walk(field.type)):
         scope.static.sized.add(field_symbol(name, WORLD.name))
@@ -51,7 +52,7 @@ def task(game: Composition, scope: Scope) -> ir.Task | None:
         body: list[ir.Stmt] = []
         for field in declared.fields:
             if field.name.text in static.task_fields:
-                with scope.problems.survive():
+                with scope.problems.skip_if_broken():
                     body += _drawn(field, streams, scope)
         draw = ir.Phase(
             label=streams.label, name="draw_task", body=tuple(body), origin=declared.span
@@ -76,7 +77,7 @@ def _drawn(field: ast.TaskField, streams: Streams, scope: Scope) -> tuple[ir.Dra
     type_ = scope.static.fields[name].type
     low = high = None
     if type_.kind == "int":
-        one = type_.model_copy(update={"by": ()})
+        one = type_.model_copy(update={"indexed_by": ()})
         low = ir.Number(type=one, value=int(one.low))
         high = ir.Number(type=one, value=int(one.high))
     draw = ir.Draw(
@@ -85,7 +86,7 @@ def _drawn(field: ast.TaskField, streams: Streams, scope: Scope) -> tuple[ir.Dra
         low=low,
         high=high,
         words=type_.words,
-        by=type_.by[0] if type_.by else None,
+        by=type_.indexed_by[0] if type_.indexed_by else None,
         different=field.different,
         stream=streams.of_statement(streams.header(field.span)),
         origin=field.span,

@@ -24,7 +24,7 @@ def declare_trial(game: Composition, scope: Scope) -> None:
     static = scope.static
     static.has_trials = True
     static.used.add(Symbol("name", TRIAL))  # by the episode itself
-    with scope.problems.survive(static.broken, Symbol("name", TRIAL)):
+    with scope.problems.skip_if_broken(static.broken, Symbol("name", TRIAL)):
         number = _number_of_trials(game.episode, scope)
         if isinstance(game.episode.length, ast.Path):
             static.sized.add(field_symbol(TRIAL, "world"))

@@ -44,7 +44,7 @@ def _sides(tree: ast.Window, usual: dict[str, int], scope: Scope) -> dict[str, i
         if name.text not in SIDES:
             scope.problems.unknown(name, tuple(SIDES), "the sides of a window")
             continue
-        with scope.problems.survive():
+        with scope.problems.skip_if_broken():
             sides[name.text] = scope.whole(
                 value, "the window", f"the window {name.text}", 0, limits.MAX_WINDOW
             )

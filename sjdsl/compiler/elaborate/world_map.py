@@ -67,6 +67,7 @@ def parse_file(path: Path, name: str, span: Span, problems: Problems) -> Rows:
 
 
 def _parse_rows(data: bytes, name: str, span: Span, problems: Problems) -> Rows:
+    """Returns the rows of a map file and their spans; none for one that is no map."""
     text = ""
     problem = ""
     try:

@@ -68,7 +68,9 @@ def _chain(chain: Chain, column: int, indent: int, after: int) -> str:
 
 def _items(bracket: Bracketed, indent: int) -> str:
     """Returns what is in brackets, on one line if it fits, else on a line for each item."""
-    together = ", ".join(map(flat, bracket.items)) + "," * bracket.comma
+    together = ", ".join(map(flat, bracket.items))
+    if bracket.comma:
+        together += ","
     chains = [item for item in bracket.items if isinstance(item, Chain)]
     has_rows = any(isinstance(chain.pieces[0], Bracketed) for chain in chains)
     if indent + len(together) <= WIDTH and not has_rows and bracket.open != "{":

@@ -117,6 +117,7 @@ def _number(number: Number) -> list[str]:
 
 
 def _fields(fields: tuple[Field, ...]) -> list[str]:
+    """Returns the lines of a class's fields."""
     lines = []
     for field in fields:
         comment = remark(f"{field.dtype.rstrip('_')}{field.shape}  {field.comment}")

@@ -3,6 +3,7 @@
 import ast
 from functools import cache
 from importlib.resources import files
+from typing import NamedTuple
 
 from sjdsl.compiler.emit.module import body, docstring, kernels, template
 from sjdsl.compiler.program import Program
@@ -13,23 +14,28 @@ ENVIRONMENT = "env"  # of which the environment at the end of the file is one
 
 def standalone(program: Program) -> str:
     """Returns the file."""
-    called = {
+    names_by_module = {
         module.removeprefix(f"{RUNTIME}."): names for module, names in kernels(program).items()
     }
+    modules = _with_called((*names_by_module, ENVIRONMENT))
     return template("standalone.py.j2").render(
         docstring=docstring(program),
-        kernels=[(name, _kernel(name)[0]) for name in _in_order((*called, ENVIRONMENT))],
-        names=[(module, name) for module, names in called.items() for name in names],
+        kernels=[(name, _kernel(name).lines) for name in modules],
+        names=[(module, name) for module, names in names_by_module.items() for name in names],
         module=body(program).strip("\n"),
     )
 
 
-@cache
-def _kernel(name: str) -> tuple[list[str], list[str]]:
-    """Returns a module of the runtime as the body of a function, and which others it calls.
+class Kernel(NamedTuple):
+    """A module of the runtime as the body of a function."""
 
-    The function looks the others up in their scopes.
-    """
+    lines: list[str]
+    called: list[str]  # the other modules that it looks up, in their scopes
+
+
+@cache
+def _kernel(name: str) -> Kernel:
+    """Returns the module of the runtime with this name."""
     text = files(RUNTIME).joinpath(f"{name}.py").read_text(encoding="utf-8")
     lines = text.splitlines()
     called: list[str] = []
@@ -41,16 +47,16 @@ def _kernel(name: str) -> tuple[list[str], list[str]]:
         prefix = f"_{scope}." if scope else "_"
         lines[node.lineno - 1 : node.end_lineno] = [f"{name} = {prefix}{name}" for name in names]
         called = [*([scope] if scope else names), *called]
-    return [f"    {line}".rstrip() for line in lines], called
+    return Kernel([f"    {line}".rstrip() for line in lines], called)
 
 
-def _in_order(names: tuple[str, ...]) -> list[str]:
+def _with_called(names: tuple[str, ...]) -> list[str]:
     """Returns the modules and those they call, callees first."""
     order: list[str] = []
 
     def visit(name: str) -> None:
         if name not in order:
-            for called in _kernel(name)[1]:
+            for called in _kernel(name).called:
                 visit(called)
             order.append(name)
 

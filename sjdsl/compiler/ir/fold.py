@@ -77,6 +77,7 @@ def _written(e: Any, _: Any) -> Any:
 
 
 def _calculated_value(e: ir.Arithmetic, analysis: Any) -> Any:
+    """Returns the value of an operator or function, entry by entry of rows."""
     values = [fold(part, analysis) for part in e.args]
     try:
         return _entry_by_entry(partial(analysis.calculated, e), *values)
@@ -93,11 +94,12 @@ def _entry_by_entry(calculated: Callable[..., Any], *values: Any) -> Any:
 
 
 def _entry_value(e: ir.At, analysis: Any) -> Any:
+    """Returns the value of `row[key]`, or of the mean of entries that a mix weighs."""
     row = fold(e.row, analysis)
     key = fold(e.key, analysis)
     if e.key.type.kind == "mix":
         return analysis.rounded(sum(map(mul, key, row)))
-    level = e.row.type.by[0]
+    level = e.row.type.indexed_by[0]
     # A key of none of the entries: a guard excludes it.
     if key is None or (isinstance(key, str) and key not in level.names):
         raise UnknownValue
@@ -121,7 +123,8 @@ def _shifted_value(e: ir.ShiftRow, analysis: Any) -> Any:
 
 
 def _lowest_value(e: ir.Lowest, analysis: Any) -> Any:
-    level = e.row.type.by[0]
+    """Returns the first, or the last, entry above 0; of all entries if none is."""
+    level = e.row.type.indexed_by[0]
     above = [place for place, entry in enumerate(fold(e.row, analysis)) if entry > 0]
     places = above or range(len(level))
     place = places[-1 if e.last else 0]
@@ -129,6 +132,7 @@ def _lowest_value(e: ir.Lowest, analysis: Any) -> Any:
 
 
 def _shares(e: ir.Mix, analysis: Any) -> Any:
+    """Returns the entries of a row divided by their sum."""
     row = fold(e.row, analysis)
     total = sum(row)
     if not total:  # a guard excludes it
@@ -214,7 +218,7 @@ VALUES: dict[type[ir.Node], Rule] = {
 
 def _reduced_bounds(e: ir.SumRow, analysis: Any) -> Any:
     row = fold(e.row, analysis)
-    number = len(e.row.type.by[0])
+    number = len(e.row.type.indexed_by[0])
     return analysis.total(row, number, number) if REDUCTIONS[e.fn].adds else row
 
 

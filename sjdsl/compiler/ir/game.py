@@ -261,7 +261,7 @@ class Window(Node):
 class Check(Node):
     """A check. `values` are its expressions in the order written."""
 
-    sort: Literal["require", "always", "once", "conserved", "monotone", "symmetric", "expect"]
+    kind: Literal["require", "always", "once", "conserved", "monotone", "symmetric", "expect"]
     values: tuple[Expr, ...] = ()
     words: tuple[str, ...] = ()
     policies: tuple["Policy", ...] = ()

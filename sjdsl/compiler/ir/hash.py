@@ -93,7 +93,7 @@ HASHED: dict[type[ir.Node | ir.Type], str] = {
     ir.Mark: "mark shape anchor",
     ir.End: "end",
     # declarations
-    ir.Type: "type kind words kinds unit low high by",
+    ir.Type: "type kind words kinds unit low high by=indexed_by",
     ir.Param: "param name type value",
     ir.VarField: "field name type capped timer start",
     ir.Block: "block what condition",
@@ -118,7 +118,7 @@ HASHED: dict[type[ir.Node | ir.Type], str] = {
     ir.Hidden: "hidden what on name kinds when",
     ir.Window: "window ahead behind left right views",
     ir.View: "view ahead behind left right condition",
-    ir.Check: "check sort values",
+    ir.Check: "check sort=kind values",
     # beside the rules
     ir.Paint: "paint colour sprite",
     ir.Look: "look what name kinds condition body badge",
@@ -180,7 +180,7 @@ def printed_digest(game: ir.Game) -> str:
 
 def _rules(game: ir.Game) -> dict[str, Any]:
     """Returns what the rules of a game say, as JSON."""
-    required = tuple(check for check in game.checks if check.sort == "require")
+    required = tuple(check for check in game.checks if check.kind == "require")
     return {
         "requires": _hashable(required),
         **{name: _hashable(getattr(game, name)) for name in RULES},
@@ -219,6 +219,7 @@ def _hashed_form(kind: type[ir.Node | ir.Type]) -> tuple[str, tuple[tuple[str, s
     Of each: its name in the hash, where to find it, and the default that is left out.
     """
     tag, *names = HASHED[kind].split()
+    # `name=field`, or `name` alone, which is then also the field's
     pairs = [(name.partition("=")[0], name.rpartition("=")[2]) for name in names]
     return tag, tuple((name, field, _default(kind, field)) for name, field in pairs)
 

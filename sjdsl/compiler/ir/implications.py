@@ -343,7 +343,7 @@ def limits_of(fn: str, subject: ir.Expr, other: Interval, exact: bool = True) ->
 
 def narrow_word(e: ir.Expr, known: Iterable[Fact]) -> ir.Expr:
     """Returns a word without the words that the facts about that very expression exclude."""
-    if e.type.kind != "word" or e.type.by or isinstance(e, ir.Word):
+    if e.type.kind != "word" or e.type.indexed_by or isinstance(e, ir.Word):
         return e
     subject = form(e)
     possible = frozenset(e.type.words)
@@ -402,16 +402,17 @@ class Narrowing(Analysis[Interval]):
         return e.type.low, e.type.high
 
     def calculated(self, e: ir.Arithmetic, parts: list[Interval]) -> Interval:
-        if e.type.by:
+        if e.type.indexed_by:
             return e.type.low, e.type.high
         low, high = CALCULATIONS[e.fn].interval(*parts)
         return max(e.type.low, low), min(e.type.high, high)
 
     def refined(self, e: ir.Expr, result: Interval) -> Interval:
+        """Returns an interval within what the known facts say of an expression."""
         claimed = _claimed(form(e, memo=self.forms), self.known)
         low = max(result[0], claimed[0])
         high = min(result[1], claimed[1])
-        if not isinstance(e, ir.Arithmetic) or e.type.by or not CALCULATIONS[e.fn].factors:
+        if not isinstance(e, ir.Arithmetic) or e.type.indexed_by or not CALCULATIONS[e.fn].factors:
             return low, high
         # what a fact says of a sum of whole numbers holds of it if they are not rounded
         usable = (fact for fact in self.known if e.type.kind == "real" or fact.is_exact)

@@ -69,7 +69,7 @@ def _linear(e: ir.Expr, memo: Memo) -> Linear:
             return Linear(Fraction(e.value))
         case ir.Named() | ir.Narrowed():
             return linear(e.value, memo)
-        case ir.Arithmetic(fn=fn, args=args) if CALCULATIONS[fn].factors and not e.type.by:
+        case ir.Arithmetic(fn=fn, args=args) if CALCULATIONS[fn].factors and not e.type.indexed_by:
             sum_ = Linear()
             for arg, factor in zip(args, CALCULATIONS[fn].factors, strict=True):
                 sum_ = sum_.plus(linear(arg, memo), factor)
@@ -106,7 +106,7 @@ def not_negative(condition: ir.Expr) -> Iterator[Linear]:
     """
     match condition:
         case ir.Compare(fn=fn, left=left, right=right) if fn != "!=" and not (
-            left.type.by or right.type.by
+            left.type.indexed_by or right.type.indexed_by
         ):
             difference = linear(left).plus(linear(right), -1)
             if len(difference.factors) < 2:

@@ -74,7 +74,7 @@ class Type(BaseModel):
     kind: `word` (one of `words`), `int` and `real` (`unit`, `low` .. `high`), `condition`, `agent`
     (one or nobody), `agents` (a set), `cell` (one of `kinds`, or nowhere), `mix` (shares over
     `words`), `member` (a variable of a domain: an agent or a cell).
-    by: the levels of a row or table, outermost first; empty for a single value.
+    indexed_by: the levels of a row or table, outermost first; empty for a single value.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -84,7 +84,7 @@ class Type(BaseModel):
     unit: Unit = "number"
     low: float = float("-inf")
     high: float = float("inf")
-    by: tuple[Annotated[Level, INSTANCE], ...] = ()
+    indexed_by: tuple[Annotated[Level, INSTANCE], ...] = ()
 
 
 CONDITION = Type(kind="condition")

@@ -189,7 +189,7 @@ def _node_lines(value: object, label: str, depth: int, positions: bool) -> Itera
 
 def _type_text(type_: ir.Type) -> str:
     """Returns a type with all that is known of it: `int count 0 .. 9 by { raw, cut }`."""
-    by = "".join(f" by {level}" for level in type_.by)
+    by = "".join(f" by {level}" for level in type_.indexed_by)
     match type_.kind:
         case "word" | "mix":
             return f"{type_.kind} {{ {', '.join(type_.words)} }}{by}"

@@ -48,6 +48,7 @@ class FloatRanges(Analysis[Range]):
     limits: Limits = no_limits
 
     def leaf(self, e: ir.Expr) -> Range:
+        """Returns the range of an expression without parts that bound it."""
         match e:
             case ir.Number():
                 written = ir.Type(kind=e.type.kind, low=e.value, high=e.value)
@@ -69,6 +70,7 @@ class FloatRanges(Analysis[Range]):
                 return any_number(False)
 
     def refined(self, e: ir.Expr, result: Range) -> Range:
+        """Returns a range within the limits of the expression's type."""
         low, high = self.limits(e)
         if low <= result.low and result.high <= high:
             return result

@@ -41,12 +41,11 @@ AGENTS = Sort("agent")
 class Level(Record):
     """What the entries of a row are told apart by.
 
-    The words of a set, the whole numbers of a range, or the agents.
-
+    kind: the words of a set, the whole numbers of a range, or the agents.
     names: of the entries, in order: `raw`, `cut`; `-1`, `0`, `1`; `agent 0`, `agent 1`.
     """
 
-    sort: Literal["word", "number", "agent"]
+    kind: Literal["word", "number", "agent"]
     names: tuple[str, ...]
 
     def __len__(self) -> int:
@@ -55,7 +54,7 @@ class Level(Record):
     @property
     def keys(self) -> tuple[str, ...]:
         """The entries as they stand in square brackets: of an agent its number."""
-        return tuple(map(str, range(len(self)))) if self.sort == "agent" else self.names
+        return tuple(map(str, range(len(self)))) if self.kind == "agent" else self.names
 
     @property
     def entries(self) -> tuple["Entry", ...]:
@@ -64,7 +63,7 @@ class Level(Record):
     @property
     def first(self) -> int:
         """What the first entry stands for: its number, or 0 for words and agents."""
-        return int(self.names[0]) if self.sort == "number" else 0
+        return int(self.names[0]) if self.kind == "number" else 0
 
     @property
     def last(self) -> int:
@@ -80,7 +79,7 @@ class Level(Record):
 
     def __str__(self) -> str:
         """Returns the level as it stands after `by`."""
-        match self.sort:
+        match self.kind:
             case "agent":
                 return "agent"
             case "number":

@@ -35,19 +35,19 @@ def words(names: tuple[str, ...]) -> ir.Type:
 
 def element(row: ir.Type) -> ir.Type:
     """Returns the type of one entry of a row or table."""
-    return row.model_copy(update={"by": row.by[1:]})
+    return row.model_copy(update={"indexed_by": row.indexed_by[1:]})
 
 
 def is_number(type_: ir.Type) -> bool:
     """Returns whether values are single numbers."""
-    return type_.kind in ("int", "real") and not type_.by
+    return type_.kind in ("int", "real") and not type_.indexed_by
 
 
 def describe(type_: ir.Type) -> str:
     """Returns what an author would call values of this type."""
-    if type_.by:
+    if type_.indexed_by:
         entries = {"word": "words", "int": "numbers", "real": "numbers"}.get(type_.kind, "values")
-        return f"a row of {entries} by {type_.by[0]}"
+        return f"a row of {entries} by {type_.indexed_by[0]}"
     match type_.kind:
         case "word":
             if len(type_.words) == 1:

@@ -103,6 +103,7 @@ def lower(game: ir.Game, source: str, sources: Mapping[str, Source] | None = Non
 
 
 def _program(game: ir.Game, source: str, module: Module) -> Program:
+    """Returns the module of a game."""
     pools = all_pools(game)
     start = _phase(game.start, pools[game.start.name], module)
     turns = _turns(pools, module)
@@ -204,6 +205,7 @@ def _facts(game: ir.Game, hash_: str, module: Module) -> tuple[Fact, ...]:
 
 
 def _state_field_call(field: StateField) -> Expression:
+    """Returns the call that describes a field of the state; defaults are left out."""
     arguments = {}
     for declared in dataclasses.fields(field):
         value = getattr(field, declared.name)
@@ -299,6 +301,7 @@ def _step(turns: list[Turn], module: Module) -> Function:
 
 
 def _phase(phase: ir.Phase, pools: tuple[Pool, ...], module: Module) -> Function:
+    """Returns the function of a phase."""
     w = Writer(
         module,
         phase.name,
@@ -340,6 +343,7 @@ def _written(phase: ir.Phase, sources: Mapping[str, Source]) -> str:
 
 
 def _tick(pools: Pools, module: Module) -> Function:
+    """Returns the function between steps: timers fall, and agents that were away come back."""
     w = Writer(module, "tick")
     for field in all_fields(module.game):
         if field.timer:
@@ -362,6 +366,7 @@ def _tick(pools: Pools, module: Module) -> Function:
 
 
 def _measures(module: Module) -> Function:
+    """Returns the function that computes the metrics of a state."""
     w = Writer(module, "measures")
     values = []
     for measure in module.game.measures:
@@ -392,6 +397,7 @@ def _lengths(module: Module) -> list[Function]:
 
 
 def _observe(module: Module) -> Function:
+    """Returns the function that makes observations."""
     w = Writer(module, "observe")
     planes = observe(w)
     w.origin = None

@@ -83,6 +83,7 @@ def over_neighbours(
     assert isinstance(d.restriction, ir.Near)
     anchor = scope.variables[d.restriction.anchor.name]
     assert isinstance(anchor, CellVar)
+    # The kernel calls a function of the cell beside each cell: its number, and what is read of it.
     table = neighbours_constant(d.restriction, anchor, d.var.kinds, w)
     number = w.fresh(d.var.name)
     w.parameters[number] = number

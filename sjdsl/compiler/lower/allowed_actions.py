@@ -48,6 +48,8 @@ def _scope(forbid: ir.Forbid, axes: tuple[Axis, Axis], w: Writer) -> IterationSc
     if not forbid.names:
         return scope
     action = action_named(w.module.game, forbid.action)
+    # The numbers of an action count its arguments up in mixed radix, the last argument fastest;
+    # `rest` is the number of combinations of the arguments after this one.
     rest = len(action.numbers)
     for name, argument in zip(forbid.names, action.arguments, strict=True):
         rest //= argument.count

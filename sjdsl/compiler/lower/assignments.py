@@ -91,11 +91,11 @@ class Target(Record):
         """Returns the place of the entry of a row that is written; None for all of it."""
         if not self.keys:
             return None
-        return row_key(self.keys[0], self.read.type.by[0], self.scope, w)
+        return row_key(self.keys[0], self.read.type.indexed_by[0], self.scope, w)
 
     def num_entries(self, w: Writer) -> Literal:
         """Returns how many entries a row has."""
-        return w.module.num_entries(self.read.type.by[0])
+        return w.module.num_entries(self.read.type.indexed_by[0])
 
     @property
     def along(self) -> Axis | None:
@@ -201,7 +201,7 @@ def _values(
     along_row: whether one value that a whole row is set to gets a new axis.
     """
     type_ = target.read.type
-    levels = () if target.keys else type_.by
+    levels = () if target.keys else type_.indexed_by
     entries = tuple(map(w.module.num_entries, levels))
     set_extents = w.module.set_extents(type_)
     if value.levels > len(set_extents):
@@ -399,6 +399,7 @@ def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None
         name = _place(target.who)
         past_the_end = w.module.extent(target.who.sort)
         entry = key
+    # A place for each instance; an array drops what is written past its end.
     axes = axes_of(index, scope.mask, value, entry)
     at = w.keep(name, broadcast(select(scope.mask, index, past_the_end), axes)).node
     places = (at,) if entry is None else (at, aligned(entry, axes))
@@ -486,7 +487,7 @@ def _scattered(target: Target, who: Variable, terms: Value, is_exact: bool, w: W
     axes = axes_of(index, terms)
     total = reduce("sum", terms, without(target.scope.axes, axes))
     extent = w.module.extent(who.sort)
-    levels = target.read.type.by
+    levels = target.read.type.indexed_by
     none = zeros("f32" if is_exact else total.dtype, extent, *map(w.module.num_entries, levels))
     if is_exact:
         none = call("fixed_point", none)
@@ -518,6 +519,8 @@ def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
     joining = target.scope.variables[s.value.name] if isinstance(s.value, ir.Member) else None
     axis = None if joining is None else joining.axis
     joins_once = axis in axes and all(a.size == 1 for a in axes if a != axis)
+    # To a set of the world: who is added at all. Where each instance adds a member of its own once:
+    # its bit is added to the set. Else a table of places and members is folded into bits.
     sets: Expression
     if who is None:
         sets = _folded(places, at.node, sizes, w)
@@ -527,7 +530,7 @@ def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
         sets = written("add_at", zeros(dtype, *sizes), tuple(places), aligned(bits, axes))
     else:
         sets = _folded(places, aligned(member, axes), sizes, w)
-    if target.read.type.by and key is None:  # to every entry of the row
+    if target.read.type.indexed_by and key is None:  # to every entry of the row
         sets = sets[None] if who is None else sets[:, None]
     joined_sets = w.keep_node(f"{target.attribute}_joined", sets, w.module.set_dtype)
     w.joined.setdefault(target.attribute, []).append(joined_sets)

@@ -99,6 +99,7 @@ class Value(Record):
     ne = _operator("!=")
 
     def __invert__(self) -> "Value":
+        """Returns the opposite of a condition, in the simplest form."""
         match self.node:
             case Literal(value=value):
                 return literal(not value, "bool")
@@ -213,6 +214,7 @@ def indexed(node: Expression, keys: tuple[Expression | Slice, ...]) -> Expressio
     """
     if isinstance(node, Cast):
         return Cast(indexed(node.value, keys), node.dtype, node.source)
+    # `x[:, None][:, :, None]` is `x[:, None, None]`.
     if isinstance(node, Index) and all(key in (ALL, NEW_AXIS) for key in node.keys):
         outer = keys
         if keys[0] == REST:
@@ -285,10 +287,12 @@ def binary(op: str, a: Value, b: Value) -> Value:
         result = _folded(op, a.number, b.number, dtype)
         if result is not None:
             return result
+    # Members along two axes, each with each: whether they are the same one.
     if op in _OPPOSITES and isinstance(a.node, Arange) and a.node == b.node and a.axes != b.axes:
         first, second = sorted((a, b), key=lambda value: value.axes[0].order)
         is_same = one_hot(first, second.axes[0])
         return is_same if op == "==" else ~is_same
+    # Numbers compare as they are stored, without their conversions.
     if op in COMPARISONS:
         as_stored = _before_conversion(a, b)
         b = _before_conversion(b, a)
@@ -383,6 +387,7 @@ def reduce(fn: OneOf["any", "all", "sum", "min", "max"], value: Value, over: Axe
     """
     if value.literal and fn != "sum":
         return value
+    # First the axes that the value has; then a sum counts the others.
     result = value
     gone = tuple(a for a in over if a in value.axes)
     if gone and not value.literal:

@@ -179,7 +179,7 @@ def _painted(
 
 def _values(field: ir.VarField, game: ir.Game) -> int:
     """Returns how many values a field has that can be painted; 0 if it cannot."""
-    if field.type.by:
+    if field.type.indexed_by:
         return 0
     match field.type.kind:
         case "word":

@@ -292,6 +292,7 @@ def _plus(at: Value, steps: Value, w: Writer) -> Value:
     The shape's axis comes last, whenever it was made.
     """
     axes = (*at.axes, steps.axes[-1])
+    # Two arrays that are added with the shape's axis last: one of length 1, and one that has it.
     lead = at.node
     if at.axes:
         lead = lead[*[ALL] * len(at.axes), None]

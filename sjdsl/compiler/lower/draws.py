@@ -39,6 +39,7 @@ def random_bits(stream: int, scope: IterationScope, w: Writer, extra: Axis | Non
         axes = tuple(digit.axes[0] for digit, _ in digits)
         extents = [axis.extent for axis in axes]
         return Value(call("random_bits", KEY, w.stream(stream), *extents), "u32", axes)
+    # The instance's number: the members of the quantifiers around it as digits, outermost first.
     number = literal(0, "i32")
     for digit, radix in digits:
         number = number * radix + digit

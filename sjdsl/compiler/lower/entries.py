@@ -43,7 +43,7 @@ def entry(e: ir.At, scope: IterationScope, w: Writer) -> Value:
     along = whole_axis(e.key, scope)
     if along is not None and along not in row.axes:
         return unrolled(row, along)
-    key = row_key(e.key, e.row.type.by[0], scope, w)
+    key = row_key(e.key, e.row.type.indexed_by[0], scope, w)
     if key.literal or not row.axes:
         return replace(taken(row, key.node, row.levels - 1), axes=row.axes or key.axes)
     axes = axes_of(row, key)
@@ -63,10 +63,10 @@ def row_key(e: ir.Expr, level: Level, scope: IterationScope, w: Writer) -> Value
     It is that of a word in the row's own set, a number's distance from the first, or an agent's
     number.
     """
-    if isinstance(e, ir.Word) and level.sort != "word":
+    if isinstance(e, ir.Word) and level.kind != "word":
         return literal(level.place_of(e.value), "i32")
     key = w.value(e, scope)
-    match level.sort:
+    match level.kind:
         case "word":
             return to_words(key, e.type.words, level.names, w)
         case "number":
@@ -112,6 +112,7 @@ def numbers_last(sets: Expression) -> Expression:
 
 
 def _expected(row: Value, shares: Value, w: Writer) -> Value:
+    """Returns the mean of a row's entries, weighed by shares."""
     axes = axes_of(row, shares)
     left = row_aligned(shares, axes)
     if row.levels > 1:

@@ -66,7 +66,7 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             return state_reads.no_cell(w)
         case ir.ParamRef():
             node = path(f"params.{param_attribute(e.name)}")
-            return Value(node, VALUE_DTYPES[e.type.kind], (), len(e.type.by))
+            return Value(node, VALUE_DTYPES[e.type.kind], (), len(e.type.indexed_by))
         case ir.Member():
             return scope.variables[e.name].number
         case ir.Local():
@@ -304,6 +304,7 @@ def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
     with w.deciding(operation.kind == "whole"):
         args = [as_dtype(lower(a, scope, w), args_dtype) for a in e.args]
     are_literal = all(a.literal for a in args)
+    # What decides something is computed as written, so by a kernel that no compiler rearranges.
     if w.exact and not is_whole and not are_literal:
         if operation.rounding is not None or operation.exact:
             args = [operand(a, value, w) for a, value in zip(e.args, args, strict=True)]
@@ -319,6 +320,7 @@ def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
     if are_literal and operation.rounding is None:
         numbers = [a.number if args_dtype == dtype else float32(a.number) for a in args]
         return literal(operation.fold(*numbers), dtype)
+    # A function of arrays; one of any number of arguments takes two at a time.
     if operation.least == operation.most:
         return as_dtype(called(operation.array, *args), dtype)
     return reduce(partial(called, operation.array), args)
@@ -413,6 +415,7 @@ def first_of(arms: list[tuple[Value, Value]], otherwise: Value, w: Writer) -> Va
 
 
 def _arm_test(e: ir.Case, arm: ir.Arm, subject: Value, w: Writer) -> Value:
+    """Returns where the subject of a `case` is what an arm is for."""
     if e.subject.type.kind == "condition":
         return subject if arm.words == ("yes",) else ~subject
     if arm.words:

@@ -87,12 +87,13 @@ def _among_reached(
 
     Random bits are drawn for these pairs alone, not for all that there are.
     """
-    rows, _ = axes
+    rows, _ = axes  # of the left members, and of the places that each of them reaches
     reached = w.keep_node("reached", spread(index, axes), "i32")
     happens = spread(mask, axes)
     left = iota(rows).node[:, None]
     if same_sort:
         happens = happens & reached.ne(left)
+    # A draw's number is that of the pair among all pairs.
     numbers: Expression = Cast(left * size + reached, "u32")
     happens = w.keep_node("pairs", happens, "bool")
     stream = w.stream(s.stream)

@@ -256,6 +256,7 @@ def _content(raw: Value, axes: Axes, w: Writer) -> Value:
     if all(look.same and look.raw == look.final for look in present):
         return raw
     raw = w.keep("raw", raw)
+    # Numbers that are shown as painted, but for a shift, are shown by ranges: (test, shown) pairs.
     arms = []
     shown = raw
     shift = 0
@@ -266,6 +267,7 @@ def _content(raw: Value, axes: Axes, w: Writer) -> Value:
             shift = look.final - look.raw
             shown = _shifted(raw, shift, look.kind.name, w)
     shown = first_of(arms, shown, w)
+    # The looks of other kinds are computed from their fields.
     for look in present:
         if not look.same:
             is_kind, values = look_fields(look, raw, w)

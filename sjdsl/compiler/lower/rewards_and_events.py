@@ -88,6 +88,7 @@ def _count(
     scope: IterationScope,
     w: Writer,
 ) -> None:
+    """Adds to an event's count, for the whole game or for those who receive it."""
     if s.receiver is not None:
         amounts = _received(s.receiver, amount, scope, w, s.event)
     else:

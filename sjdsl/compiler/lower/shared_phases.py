@@ -188,7 +188,7 @@ def share(uses: list[tuple[ir.Phase, Function]]) -> list[Turn]:
 def _declared(use: tuple[ir.Phase, Function]) -> str:
     """Returns the name that a phase is declared by."""
     phase, _ = use
-    return re.split(r"\W", phase.label)[0]
+    return re.split(r"\W", phase.label)[0]  # of `sprout(red)` and `eat #2`
 
 
 def _one_function(name: str, uses: list[tuple[ir.Phase, Function]]) -> dict[str, Turn]:
@@ -206,7 +206,7 @@ def _one_function(name: str, uses: list[tuple[ir.Phase, Function]]) -> dict[str,
         body = shared.node(tuple(bodies))
     except CannotShare:
         return alone
-    is_marking = len(body[-1].values) > 2
+    is_marking = len(body[-1].values) > 2  # it returns its mark, beside the state and the outcome
     returns = "tuple[State, Outcome, Array]" if is_marking else first.returns
     added = [
         (parameter.identifier, _type_of(arguments[0]))

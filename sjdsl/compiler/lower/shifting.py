@@ -215,6 +215,9 @@ def settle(moves: list[Shifted], w: Writer) -> None:
 
 
 def _settle_sort(sort: ir.Sort, moves: list[Shifted], w: Writer) -> None:
+    """Moves the agents, or the movers of a type, that a phase shifts, to where nobody keeps them
+    out.
+    """
     position = attribute_of("position", sort)
     extent = w.module.extent(sort)
     before = w.bind("before", w.current(position))

@@ -84,10 +84,10 @@ def _field(field: ir.VarField, game: ir.Game, w: Writer) -> Field:
     if field.held_by.what != "world":
         extent = w.module.extent(field.held_by)
         dims.append({"cell": "S", "agent": "N"}.get(field.held_by.what, str(extent.size)))
-    dims += [str(len(level)) for level in field.type.by]
+    dims += [str(len(level)) for level in field.type.indexed_by]
     meaning = f"{field.name}: {_meaning(field)}"
-    if field.type.by:
-        meaning = f"{meaning}; by {_level(field.type.by[0])}"
+    if field.type.indexed_by:
+        meaning = f"{meaning}; by {_level(field.type.indexed_by[0])}"
     dims += [str(extent.size) for extent in w.module.set_extents(field.type)]
     default = _default(field, game, dtype, w)
     return Field(attribute_name(field), f"[{', '.join(dims)}]", dtype, meaning, default)
@@ -95,10 +95,11 @@ def _field(field: ir.VarField, game: ir.Game, w: Writer) -> Field:
 
 def _level(level: Level) -> str:
     """Returns what the entries of a row are, for a comment."""
-    return ", ".join(level.names) if level.sort == "word" else str(level)
+    return ", ".join(level.names) if level.kind == "word" else str(level)
 
 
 def _meaning(field: ir.VarField) -> str:
+    """Returns what the numbers of a field mean, for the comment beside it."""
     match field.type.kind:
         case "word":
             return ", ".join(f"{i} {w}" for i, w in enumerate(field.type.words))
@@ -144,9 +145,10 @@ def _default(field: ir.VarField, game: ir.Game, dtype: str, w: Writer) -> Expres
         size: list[Expression] = []
         if field.held_by.what != "world":
             size.append(w.module.extent(field.held_by))
-        size += map(w.module.num_entries, field.type.by)
+        size += map(w.module.num_entries, field.type.indexed_by)
         size += w.module.set_extents(field.type)
-        first = _start(next(iter(starts), field.start), field, w)
+        [start] = starts or {field.start}
+        first = _start(start, field, w)
         return call("jnp.full", shape_of(tuple(size)), first, path(f"jnp.{dtype}"))
     for glyph in game.glyphs:
         if glyph.kind == kind:
@@ -155,10 +157,10 @@ def _default(field: ir.VarField, game: ir.Game, dtype: str, w: Writer) -> Expres
     table = layout.starts_table(kind, field, encode, dtype)  # type: ignore[arg-type]
     comment = f"{field.name} of {kind} as on the map"
     vector = w.module.constant(f"{attribute_name(field)}_start", table, comment)
-    if not field.type.by:
+    if not field.type.indexed_by:
         return vector
     column = vector[:, None]
-    num_entries = w.module.num_entries(field.type.by[0])
+    num_entries = w.module.num_entries(field.type.indexed_by[0])
     return call("jnp.repeat", column, num_entries, axis=1)
 
 
@@ -167,9 +169,9 @@ def params_fields(game: ir.Game) -> list[Field]:
     fields = []
     for param in game.params:
         dtype = {"int": "int32", "real": "float32", "word": "uint8"}[param.type.kind]
-        shape = ", ".join(str(len(level)) for level in param.type.by)
+        shape = ", ".join(str(len(level)) for level in param.type.indexed_by)
         unit = "word" if param.type.kind == "word" else param.type.unit
-        meaning = " by ".join([str(unit), *map(str, param.type.by)])
+        meaning = " by ".join([str(unit), *map(str, param.type.indexed_by)])
         value = constant(param_value(param.value, param.type))
         default = call("jnp.asarray", value, path(f"jnp.{dtype}"))
         fields.append(Field(param_attribute(param.name), f"[{shape}]", dtype, meaning, default))
@@ -257,6 +259,6 @@ def role_attribute(game: ir.Game) -> str | None:
                 if written.held_by.what == "agent" and written.name == ROLE:
                     return None
     for field in game.agents.fields:
-        if field.name == ROLE and field.type.kind == "word" and not field.type.by:
+        if field.name == ROLE and field.type.kind == "word" and not field.type.indexed_by:
             return attribute_name(field)
     return None

@@ -79,6 +79,7 @@ def _group_field(e: ir.FieldRead, owner: CellVar, w: Writer) -> Value:
     table = w.module.layout.order_table(owner.kinds)
     order = w.module.constant(f"order_{group}", table, "cells of a group in reading order")
     vectors = [w.stored(attribute_name(f)) for f in fields]
+    # Each kind is a vector over its own cells; the group is one over all of them.
     concatenated = Value(call("jnp.concatenate", vectors)[order], storage(fields[0], w))
     whole = w.keep(f"{group}_{e.name}", concatenated)
     whole = replace(whole, levels=w.module.levels(e.type))
@@ -101,7 +102,7 @@ def storage(declared: ir.VarField, w: Writer) -> DType:
             return "f32"
         case "agents":
             return w.module.set_dtype
-        case "word" | "int" as kind if declared.held_by.what != "world" or declared.type.by:
+        case "word" | "int" as kind if declared.held_by.what != "world" or declared.type.indexed_by:
             return "u8" if kind == "word" or fits_byte(declared, w) else "i32"
         case _:
             return "i32"

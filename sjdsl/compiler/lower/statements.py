@@ -39,6 +39,7 @@ def block(body: tuple[ir.Stmt, ...], scope: IterationScope, w: Writer, sends: Se
 
 
 def statement(s: ir.Stmt, scope: IterationScope, w: Writer, sends: Sends) -> None:
+    """Lowers one statement of a phase, under the mask of the scope."""
     match s:
         case ir.Each() if not is_empty(s.domain, w):
             inner = enter(s.domain, scope, w)

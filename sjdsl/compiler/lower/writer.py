@@ -137,13 +137,13 @@ class Module:
 
     def entry(self, entry: ir.Entry) -> Value:
         """Returns the place of an entry in its row."""
-        if entry.level.sort == "word":
+        if entry.level.kind == "word":
             return self.word(entry.name, entry.level.names)
         return literal(entry.place, "u8")
 
     def num_entries(self, level: ir.Level) -> Literal:
         """Returns how many entries a row has."""
-        if level.sort == "agent":
+        if level.kind == "agent":
             return self.agents
         if level.names not in self._word_sets:  # of a draw alone
             return Literal(len(level))
@@ -164,11 +164,11 @@ class Module:
             sets.setdefault(keys, WordSet(name, name))
 
         for declared in fields:
-            for level in declared.type.by:
+            for level in declared.type.indexed_by:
                 add(level.names, attribute_name(declared))
         for param in game.params:
             add(param.type.words, param.name)
-            for level in param.type.by:
+            for level in param.type.indexed_by:
                 add(level.names, param.name)
         for event in game.events:
             if event.by is not None:
@@ -222,7 +222,7 @@ class Module:
 
     def levels(self, type_: ir.Type) -> int:
         """Returns how many axes one value of a type has: see `Value.levels`."""
-        return len(type_.by) + len(self.set_extents(type_))
+        return len(type_.indexed_by) + len(self.set_extents(type_))
 
     def set_extents(self, type_: ir.Type) -> tuple[Literal, ...]:
         """Returns how many numbers a large set of agents takes, for a type of such sets."""
@@ -446,6 +446,9 @@ class Writer:
         self._renew(self.outcome, attribute, node)
 
     def _renew(self, values: dict[str, Expression], attribute: str, node: Expression) -> None:
+        """Assigns to the variable that holds an attribute's new value, which is made if there is
+        none.
+        """
         if attribute not in values:
             values[attribute] = self.fresh(attribute)
         name = values[attribute]

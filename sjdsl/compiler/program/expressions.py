@@ -61,6 +61,7 @@ class Computed(Node):
 
 
 def _key(key: Any) -> Expression | Slice:
+    """Returns a Python key as a node."""
     if not isinstance(key, slice):
         return constant(key)
     start = None if key.start is None else constant(key.start)
@@ -87,6 +88,7 @@ class Literal(Computed):
         return self.value
 
     def __eq__(self, other: object) -> bool:  # 1, 1.0 and True differ
+        """Compares types too."""
         return (
             isinstance(other, Literal)
             and type(self.value) is type(other.value)

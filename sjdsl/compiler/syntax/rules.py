@@ -13,11 +13,6 @@ from sjdsl.compiler.diagnostics.source import Span
 Build = Callable[..., Any]
 # Kinds of tokens that become plain texts.
 AS_WRITTEN = frozenset(("INT", "DEC", "CMP", "SIGN", "TIMES", "DOTS", "OTHERWISE"))
-CLAUSES = {  # rules that fill a field of the rule around them
-    "title", "extends", "by", "capped", "set_of", "nearest", "amount", "gainer", "after", "facing",
-    "stay", "bind", "inside", "where", "seek", "hidden_on", "body", "badge", "avoiding", "if_none",
-    "by_lot", "wraps", "different",
-}  # fmt: skip
 
 
 class Part(Record):
@@ -56,6 +51,7 @@ def node(kind: type[Node], *same: str, **other: str) -> Build:
     takes_rest = bool(declared) and str(declared[-1].type).startswith("tuple[")
 
     def build(span: Span, *items: Any) -> Node:
+        """Returns the node of one rule."""
         plain, contents = split(items)
         if takes_rest:
             plain = (*plain[: number - 1], plain[number - 1 :])
@@ -83,6 +79,7 @@ def blocks(span: Span, *items: Any) -> ast.Blocks:
 
 
 def map_(span: Span, *items: Any) -> ast.Map:
+    """Returns a map, in a file or as rows."""
     *wraps, content = items
     edges: Literal["joined"] | None = "joined" if wraps else None
     if isinstance(content, ast.String):
@@ -126,6 +123,7 @@ def checks(span: Span, *items: Any) -> ast.Checks:
 
 
 def policy(span: Span, first: Any, *rest: Any) -> ast.Policy:
+    """Returns a policy of an `expect`: `seek KIND`, `never(ACTION)` or a name."""
     match first, rest:
         case Part(rule="seek", content=domain), ():
             seek = ast.Name(replace(span, end=span.start + len("seek")), "seek")
