@@ -16,7 +16,7 @@ AS_WRITTEN = frozenset(("INT", "DEC", "CMP", "SIGN", "TIMES", "DOTS", "OTHERWISE
 CLAUSES = {  # rules that fill a field of the rule around them
     "title", "extends", "by", "capped", "set_of", "nearest", "amount", "gainer", "after", "facing",
     "stay", "bind", "inside", "where", "seek", "hidden_on", "body", "badge", "avoiding", "if_none",
-    "by_lot", "wraps", "different",
+    "by_lot", "wraps", "different", "moment",
 }  # fmt: skip
 
 
@@ -136,9 +136,22 @@ def policy(span: Span, first: Any, *rest: Any) -> ast.Policy:
             return ast.Policy(span, first, (), None)
 
 
+def guard(span: Span, *items: Any) -> ast.Guard:
+    (first, *_), clauses = split(items)
+    if isinstance(first, ast.On):
+        return ast.Guard(span, first, clauses.get("where"))
+    return ast.Guard(span, None, first)
+
+
+def go(span: Span, *items: Any) -> ast.Go:
+    (*guards, domain), clauses = split(items)
+    return ast.Go(span, guards[0] if guards else None, domain, clauses.get("avoiding"))
+
+
 def aim(span: Span, *items: Any) -> ast.Aim:
-    (shape, domain, action), clauses = split(items)
-    return ast.Aim(span, shape_ref(shape), domain, clauses.get("avoiding"), action)
+    (*guards, shape, domain, action), clauses = split(items)
+    by = guards[0] if guards else None
+    return ast.Aim(span, by, shape_ref(shape), domain, clauses.get("avoiding"), action)
 
 
 def task_field(span: Span, name: ast.Name, *items: Any) -> ast.TaskField:
@@ -253,7 +266,7 @@ RULES: dict[str, Build] = {kind.__name__.lower(): node(kind) for kind in PLAIN} 
     "define": node(ast.Define, parameters="names"),
     "trials": lambda span, steps, *kept: ast.Trials(span, steps, kept[0] if kept else ()),
     "keep": lambda _, *paths: paths,
-    "phase": node(ast.Phase, parameters="names"),
+    "phase": node(ast.Phase, parameters="names", at="moment"),
     "draw": draw,
     "task_field": task_field,
     "match": match_,
@@ -289,7 +302,8 @@ RULES: dict[str, Build] = {kind.__name__.lower(): node(kind) for kind in PLAIN} 
     ),
     "policy": policy,
     "scripted": node(ast.ScriptedPolicy, "title"),
-    "go": node(ast.Go, avoided="avoiding"),
+    "guard": guard,
+    "go": go,
     "aim": aim,
     "scenario": node(ast.Scenario, "title"),
     "expr": binary("or"),
