@@ -11,7 +11,9 @@ from sjdsl.compiler.ir.operations import CALCULATIONS
 
 def verify(game: ir.Game) -> ir.Game:
     """Returns the game if its parts fit together."""
-    names = [t.name for t in (game.start, *game.schedule) if isinstance(t, ir.Phase)]
+    names = [
+        t.name for t in (game.start, *game.starting, *game.schedule) if isinstance(t, ir.Phase)
+    ]
     assert len(set(names)) == len(names), names
     shapes = {s.name for s in (*game.shapes, *game.policy_shapes)}
     kinds = {k.name for k in game.kinds}
@@ -46,7 +48,7 @@ def verify(game: ir.Game) -> ir.Game:
 def _check_streams(game: ir.Game) -> None:
     """Every drawing statement has a stream of its own; sends of one pool share theirs."""
     streams: Counter[int] = Counter()
-    for turn in (game.start, *game.schedule):
+    for turn in (game.start, *game.starting, *game.schedule):
         pools: set[int] = set()
         for node in ir.walk(turn):
             match node:

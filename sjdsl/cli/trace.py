@@ -8,6 +8,7 @@ import click
 
 from sjdsl.cli.environment_options import EnvironmentOptions, environment_options
 from sjdsl.cli.episode_options import SEED_OF_FIRST, seed_option
+from sjdsl.compiler.ir.queries import beginning_phases
 from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.near_names import meant
@@ -85,8 +86,9 @@ def command(
 
 
 def check_phases(phases: tuple[str, ...], game: "ir.Game") -> None:
-    """Raises ClickException for a phase that the schedule doesn't have."""
-    labels = ["start", *(getattr(turn, "label", "tick") for turn in game.schedule)]
+    """Raises ClickException for a phase that the game doesn't have."""
+    turns = (*beginning_phases(game), *game.schedule)
+    labels = [getattr(turn, "label", "tick") for turn in turns]
     names = list(dict.fromkeys([*labels, *(label.partition("(")[0] for label in labels)]))
     for phase in phases:
         if phase not in names:

@@ -242,7 +242,12 @@ def initialisation(w: Written) -> list[str]:
         "At first, fields have the values behind their `=`, and cells the state that their glyph "
         "stands for. Then comes the phase `start`:"
     )
-    return [values, "", *quoted(w.composition, [w.composition.phases["start"]])]
+    c = w.composition
+    lines = [values, "", *quoted(c, [c.phases["start"]])]
+    if w.game.starting:
+        following = [c.phases[phase.label] for phase in w.game.starting]
+        lines += ["Then, in this order:", "", *quoted(c, following)]
+    return lines
 
 
 def metrics(w: Written) -> list[str]:

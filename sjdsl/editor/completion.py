@@ -76,7 +76,7 @@ EXPECTED = {
     "EACH": WHO, "FIRST": WHO, "MATCH": WHO, "OVER": WHO, "SEEK": WHO, "AVOIDING": WHO,
     "TOWARD": WHO, "AT": WHO, "LOOK": WHO, "who": WHO,
     "change": "parameter size", "direction": "falling rising", "glyph": "field",
-    "members": "kind group", "players": "policy random never", "set of": "agent",
+    "members": "kind group", "moment": "start", "players": "policy random never", "set of": "agent",
     "slots": "policy random stay", "target": "local field-of-the-world",
     "type": "agent cell reward fraction probability", "unit": " ".join(UNITS),
 }  # fmt: skip
@@ -266,6 +266,8 @@ def _place(tokens: Sequence[Token], kinds: Collection[str]) -> str:
             if "SEEK" in kinds:
                 return "players"
             return "glyph" if previous == "STRING" else "who"
+        case "AT" if second == "PHASE":
+            return "moment"
         case "POLICY" if _is_in_slots(tokens):
             return "slots"
         case "SET":
@@ -317,9 +319,9 @@ def _names_of(category: str, names: Names, bound: dict[str, Owners], rank: int) 
                 if symbol.space == "name" and names.sort(symbol) == category:
                     yield Offer(symbol.name, category, rank, symbol)
         case _ if category in KINDS:
-            for symbol in names.nodes:
-                is_start = category == "phase" and symbol.name == "start"
-                if symbol.space == category and not is_start:
+            for symbol, node in names.nodes.items():
+                begins = isinstance(node, ast.Phase) and (symbol.name == "start" or node.at)
+                if symbol.space == category and not begins:
                     yield Offer(symbol.name, category, rank, symbol)
         case _:
             yield Offer(category, "value", rank)

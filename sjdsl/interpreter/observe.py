@@ -8,7 +8,7 @@ from typing import assert_never
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import shown_field, shows_attribute
+from sjdsl.compiler.ir.queries import seen_heading, shown_field, shows_attribute
 from sjdsl.interpreter import planes
 from sjdsl.interpreter.board import Board, board_of
 from sjdsl.interpreter.bodies import heading_of
@@ -136,6 +136,10 @@ def _agent_token(cell: Cell, agent: int, instance: Instance) -> int:
         return 0
     if other == agent:
         return 1
+    words = planes.agent_words(instance.board.game)
+    heading = seen_heading(instance.board.game)
+    if heading is None or _is_hidden(heading, instance.binding({"other": other})):
+        return words.index("other")
     return 2 + (instance.world.heading[other] - instance.world.heading[agent]) % 4
 
 

@@ -12,6 +12,7 @@ from sjdsl.interpreter.evaluate import agents_in, cells_in, evaluate, members_of
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.movement import course_of
 from sjdsl.interpreter.overflow import LeavesFloat32
+from sjdsl.interpreter.sending import facing_of
 from sjdsl.interpreter.shifting import make_shifting
 from sjdsl.interpreter.state import Cell, Mover
 from sjdsl.interpreter.writes import Counted, Lot, Sending, Shifting, Writes, slots
@@ -101,6 +102,10 @@ def _perform_statement(statement: ir.Stmt, instance: Instance, writes: Writes) -
             writes.tallies += [Counted(statement.event, key, agent, amount) for agent in agents]
         case ir.Send() | ir.Shift():
             _send(statement, instance, writes)
+        case ir.Face():
+            heading = evaluate(statement.heading, instance)
+            who = agents_in(evaluate(statement.who, instance))
+            writes.turns += [(agent, heading) for agent in who]
         case ir.Remove():
             writes.removes |= set(agents_in(evaluate(statement.who, instance)))
         case ir.Move():
@@ -156,8 +161,9 @@ def _send(statement: ir.Send | ir.Shift, instance: Instance, writes: Writes) -> 
             _add_sent(make_shifting(agent, statement, instance), writes.shifts)
         return
     ticks = 0 if statement.after is None else evaluate(statement.after, instance)
+    facing = facing_of(statement, instance)
     for agent in agents:
-        _add_sent(Sending(agent, statement, ticks, instance.names), writes.sends)
+        _add_sent(Sending(agent, statement, ticks, facing, instance.names), writes.sends)
 
 
 def _add_sent(sent: Any, collected: list[Any]) -> None:
@@ -173,10 +179,10 @@ def _add_sent(sent: Any, collected: list[Any]) -> None:
 def _destination(sent: Sending | Shifting) -> tuple[object, ...]:
     """Returns where, when and how a body is sent, as far as statements can differ in it."""
     if isinstance(sent, Shifting):
-        return sent.target, sent.statement.facing
+        return sent.target, sent.facing
     send = sent.send
     values = [sent.names[variable.name] for variable in variables_around(send.domain)]
-    return sent.ticks, send.pool, send.facing, send.stay, values
+    return sent.ticks, send.pool, sent.facing, send.stay, values
 
 
 def _move(statement: ir.Move, instance: Instance, writes: Writes) -> None:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import marking_phases
+from sjdsl.compiler.ir.queries import marking_phases, seen_heading
 
 HIDDEN = "hidden"
 OUTSIDE = "outside"
@@ -36,7 +36,7 @@ def planes(game: ir.Game) -> tuple[Plane, ...]:
     """Returns the planes of a game in the order of the last axis of an observation."""
     result = [
         Plane("content", "word", content_labels(game), "content"),
-        Plane("agent", "word", AGENT_WORDS, "agent"),
+        Plane("agent", "word", agent_words(game), "agent"),
     ]
     marking = marking_phases(game)
     are_hidden = any(hidden.what == "marks" and hidden.on == "map" for hidden in game.hidden)
@@ -49,6 +49,14 @@ def planes(game: ir.Game) -> tuple[Plane, ...]:
             if observable.what == what:
                 result += [_field_plane(observable, agent) for agent in agents]
     return tuple(result)
+
+
+def agent_words(game: ir.Game) -> tuple[str, ...]:
+    """Returns the labels of the plane of agents; `other` is one whose heading is hidden."""
+    heading = seen_heading(game)
+    if heading is None:
+        return ("none", "self", "other")
+    return AGENT_WORDS if heading.hidden_when is None else (*AGENT_WORDS, "other")
 
 
 def observable_words(observable: ir.Observable) -> tuple[str, ...]:

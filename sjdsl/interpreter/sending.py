@@ -47,19 +47,27 @@ def send(phase: str, sends: list[Sending], instance: Instance, world: World) -> 
         is_individual = any(variables_around(s.domain) for s in _sends_to(stream, instance.board))
         if not is_individual:
             free = _cells_that_fit(domain, free, {}, instance)
-        for agent, statement, ticks, names in of_pool:
+        for agent, statement, ticks, facing, names in of_pool:
             fitting = list(free)
             if is_individual:
                 fitting = _cells_that_fit(statement.domain, free, names, instance)
             if ticks > 0:
-                _leave(agent, Away(ticks, Pool(phase, pool), statement.facing), world)
+                _leave(agent, Away(ticks, Pool(phase, pool), facing), world)
             elif fitting:
                 cell, _ = instance.take(stream, number_of(agent), fitting)
                 free.remove(cell)
                 entered.add(cell)
-                _enter(agent, cell, statement.facing, statement.heading_stream, instance, world)
+                _enter(agent, cell, facing, statement.heading_stream, instance, world)
             else:
                 assert statement.stay, _no_room(agent, statement)
+
+
+def facing_of(statement: ir.Send | ir.Shift, instance: Instance) -> Facing | None:
+    """Returns which way a statement makes those face whom it sends; None: any way."""
+    if statement.way is None:
+        return statement.facing
+    facing: Facing = evaluate(statement.way, instance)
+    return facing
 
 
 @lru_cache(maxsize=256)

@@ -17,7 +17,7 @@ from sjdsl.interpreter.bodies import (
 from sjdsl.interpreter.evaluate import cell_of, evaluate, is_blocked
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.movement import stay_if_outranked, stay_if_taken
-from sjdsl.interpreter.sending import enter_facing
+from sjdsl.interpreter.sending import enter_facing, facing_of
 from sjdsl.interpreter.shapes import place_at
 from sjdsl.interpreter.state import HEADINGS, Cell, World
 from sjdsl.interpreter.writes import Shifting
@@ -26,10 +26,11 @@ from sjdsl.interpreter.writes import Shifting
 def make_shifting(agent: Body, statement: ir.Shift, instance: Instance) -> Shifting:
     """Returns where a statement sends a body: to its own cell if the way there is blocked."""
     place = where_is(agent, instance.world)
+    facing = facing_of(statement, instance)
     if place is None:
-        return Shifting(agent, statement, None)
+        return Shifting(agent, statement, None, facing)
     if statement.to is not None:
-        return Shifting(agent, statement, evaluate(statement.to, instance) or place)
+        return Shifting(agent, statement, evaluate(statement.to, instance) or place, facing)
     assert statement.steps is not None
     steps = evaluate(statement.steps, instance)
     heading = _heading(agent, statement, instance)
@@ -40,12 +41,12 @@ def make_shifting(agent: Body, statement: ir.Shift, instance: Instance) -> Shift
         for ahead in range(1, steps + 1):
             cell = instance.board.at(*place_at(place, heading, ahead, 0))
             if cell is None or is_blocked(cell, blocked, agent, instance):
-                return Shifting(agent, statement, place)
+                return Shifting(agent, statement, place, facing)
             path.append(cell)
         # Whether the last cell is free is seen once all are sent.
         if all(is_free(cell, instance.world) for cell in path[:-1]):
             target = path[-1]
-    return Shifting(agent, statement, target)
+    return Shifting(agent, statement, target, facing)
 
 
 def _heading(agent: Body, statement: ir.Shift, instance: Instance) -> int | None:
@@ -96,7 +97,7 @@ def shift(shifts: list[Shifting], instance: Instance, world: World) -> None:
                 targets[sent.agent] = sent.target
         stay_if_outranked(targets, ranks)
         stay_if_taken(targets, world)
-        for agent, statement, _ in of_sort:
+        for agent, statement, _, facing in of_sort:
             if agent in targets:
                 herd_of(agent, world).position[number_of(agent)] = targets[agent]
-                enter_facing(agent, statement.facing, statement.heading_stream, instance, world)
+                enter_facing(agent, facing, statement.heading_stream, instance, world)

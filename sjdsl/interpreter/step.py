@@ -8,7 +8,7 @@ from typing import Any, assert_never
 import numpy as np
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import action_named, event_named
+from sjdsl.compiler.ir.queries import action_named, beginning_phases, event_named
 from sjdsl.interpreter.account import Account, Tell
 from sjdsl.interpreter.board import Board, board_of, declared_world
 from sjdsl.interpreter.bodies import away_of, bodies, where_is
@@ -20,7 +20,7 @@ from sjdsl.interpreter.overflow import watched
 from sjdsl.interpreter.perform import perform
 from sjdsl.interpreter.sending import bring_back, remove, send
 from sjdsl.interpreter.shifting import shift
-from sjdsl.interpreter.state import Outcome, Value, World, copied, default_params
+from sjdsl.interpreter.state import HEADINGS, Outcome, Value, World, copied, default_params
 from sjdsl.interpreter.stored import held_values
 from sjdsl.interpreter.tasks import fix_parts, key_of_task
 from sjdsl.interpreter.threefry import Draws, Threefry
@@ -40,14 +40,22 @@ def reset(
     """Returns the state that an episode starts from.
 
     Args:
-      tell: called with the account of the phase `start`.
-      sends: whether its `send` statements are performed; without them, nobody has a place.
+      tell: called with the account of each phase that is played.
+      sends: whether the `send` statements of `start` are performed; without them nobody has a
+        place, and no other phase is played: that is for `play_starting`.
     """
     board = board_of(game)
     laid = declared_world(board, dict(params))
     if game.task is not None:
         laid = _with_task(board, laid, draws, tell)
-    return _begun(board, laid, draws, tell, sends)
+    if not sends:
+        return _phase(
+            game.start, _starting(board, laid, draws), _empty_outcome(board), tell, sends=False
+        )
+    world = laid
+    for phase in beginning_phases(game):
+        world = _begun(phase, board, world, draws, tell)
+    return world
 
 
 def task_of_key(game: ir.Game, key: tuple[int, int]) -> dict[str, Value]:
@@ -72,15 +80,22 @@ def _with_task(board: Board, laid: World, draws: Draws, tell: Tell | None) -> Wo
     return drawn(key_of_task(task, draws, drawn), tell)
 
 
-def _begun(
-    board: Board, before: World, draws: Draws, tell: Tell | None, sends: bool = True
-) -> World:
-    """Returns the state after the phase `start`."""
-    instance = _starting(board, before, draws)
-    world = _phase(board.game.start, instance, _empty_outcome(board), tell, sends)
+def play_starting(game: ir.Game, world: World, draws: Draws) -> World:
+    """Returns the state after the phases that follow `start`, of a state in which somebody else
+    has placed everybody, and does so again: no `send` to a random cell is performed."""
+    board = board_of(game)
+    for phase in game.starting:
+        instance = _starting(board, world, draws)
+        world = _phase(phase, instance, _empty_outcome(board), None, sends=False)
+    return world
+
+
+def _begun(phase: ir.Phase, board: Board, before: World, draws: Draws, tell: Tell | None) -> World:
+    """Returns the state after a phase with which an episode or a trial begins."""
+    world = _phase(phase, _starting(board, before, draws), _empty_outcome(board), tell)
     for body in bodies(world):
         has_place = where_is(body, world) is not None or away_of(body, world) is not None
-        assert has_place or not sends, f"{body} has no place"
+        assert has_place, f"{body} has no place"
     return world
 
 
@@ -92,13 +107,15 @@ def _starting(board: Board, world: World, draws: Draws) -> Instance:
 
 def _next_trial(board: Board, ended: World, draws: Draws, tell: Tell | None) -> World:
     """Returns the first state of the trial after that which ended: as after a reset, but for the
-    fields that are kept. What `start` writes to those is lost."""
-    laid = declared_world(board, ended.params)
-    _keep(ended, laid, board)
-    laid.fields["trial"] += 1
-    begun = _begun(board, laid, draws, tell)
-    _keep(laid, begun, board)
-    return begun
+    fields that are kept. What the phases of its beginning write to those is lost."""
+    world = declared_world(board, ended.params)
+    _keep(ended, world, board)
+    world.fields["trial"] += 1
+    for phase in beginning_phases(board.game):
+        begun = _begun(phase, board, world, draws, tell)
+        _keep(world, begun, board)
+        world = begun
+    return world
 
 
 def _keep(before: World, after: World, board: Board) -> None:
@@ -241,6 +258,10 @@ def _phase(
     if id(phase) in instance.board.moving:
         assert not writes.sends, f"`{phase.label}` moves and sends"
         move(writes.sort, writes.movers or {}, writes.courses, instance, world)
+    headings: dict[int, str] = {}
+    for agent, heading in writes.turns:
+        assert headings.setdefault(agent, heading) == heading, f"agent {agent} turns two ways"
+        world.heading[agent] = HEADINGS.index(heading)
     send(phase.name, writes.sends if sends else [], instance, world)
     for agent in writes.removes:
         assert agent not in {s.agent for s in writes.sends}, f"agent {agent} is sent and removed"

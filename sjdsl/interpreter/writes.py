@@ -20,7 +20,7 @@ from sjdsl.interpreter.bodies import Body
 from sjdsl.interpreter.evaluate import agents_in, entry_place, evaluate
 from sjdsl.interpreter.instance import Instance
 from sjdsl.interpreter.numbers import added_up, check_int32, check_interval
-from sjdsl.interpreter.state import Cell, Mover, Value, World
+from sjdsl.interpreter.state import Cell, Facing, Mover, Value, World
 from sjdsl.interpreter.stored import held_values
 
 
@@ -39,6 +39,7 @@ class Sending(NamedTuple):
     agent: Body
     send: ir.Send
     ticks: int  # until it arrives; 0: at once
+    facing: Facing | None  # then; None: any way
     names: Mapping[str, Value]  # the variables around, which the destination may read
 
 
@@ -48,6 +49,7 @@ class Shifting(NamedTuple):
     agent: Body
     statement: ir.Shift
     target: Cell | None  # its own cell if the way is blocked; None if it is off the map
+    facing: Facing | None  # there; None: any way
 
 
 class Counted(NamedTuple):
@@ -82,7 +84,7 @@ def winners(lots: Iterable[Lot]) -> dict[Slot, Lot]:
     return {lot.slot: lot for lot in sorted(lots, key=order)}
 
 
-_LISTS = ("sets", "adds", "lots", "gives", "tallies", "sends", "shifts")
+_LISTS = ("sets", "adds", "lots", "gives", "tallies", "sends", "shifts", "turns")
 _WRITING = (
     ir.Set,
     ir.Add,
@@ -90,6 +92,7 @@ _WRITING = (
     ir.Tally,
     ir.Send,
     ir.Shift,
+    ir.Face,
     ir.Remove,
     ir.Move,
     ir.Mark,
@@ -108,6 +111,7 @@ class Writes:
     tallies: list[Counted] = field(default_factory=list)
     sends: list[Sending] = field(default_factory=list)
     shifts: list[Shifting] = field(default_factory=list)
+    turns: list[tuple[int, str]] = field(default_factory=list)  # agents and their new headings
     removes: set[Body] = field(default_factory=set)
     movers: dict[Body, int] | None = None  # the rank of each agent or mover of a `move`
     sort: ir.Sort = AGENTS  # the entity type of those who `move`

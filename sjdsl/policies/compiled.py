@@ -74,7 +74,10 @@ class Chooser:
         """Raises NotSupported."""
         self._env = env
         self._game: ir.Game = env.game
-        self._rules, self._pad = lower_policy(policy, self._game)
+        lowered = lower_policy(policy, self._game)
+        self._rules = lowered.rules
+        self._closed = lowered.closed
+        self._pad = lowered.pad
         self._stay = self._game.agents.actions.index("stay")
         self._moves = moves_of(
             self._game.agents.actions,
@@ -108,13 +111,18 @@ class Chooser:
         rule = lowered.rule
         state = situation.state
         poses = situation.poses
+        may_apply = jnp.asarray(True)
+        if lowered.condition is not None:
+            may_apply = lowered.condition(state, self._env.params)
         if isinstance(rule, ir.Act):
-            assert lowered.condition is not None
-            return lowered.condition(state, self._env.params), self._final_action(lowered, state)
+            return may_apply, self._final_action(lowered, state)
         if lowered.sought is None:
             return jnp.zeros_like(undecided), jnp.zeros_like(poses[0])
+        undecided = undecided & may_apply
         members = self._board(lowered.sought, state)
         enterable = board(jnp.asarray(self._moves.open))[None]
+        for cells in self._closed:
+            enterable = enterable & ~self._board(cells, state)
         if lowered.avoided is not None:
             avoided = self._board(lowered.avoided, state)
             if isinstance(rule, ir.Go):
@@ -128,10 +136,11 @@ class Chooser:
             goals = self._aiming_poses(rule, members)
             at_goal = self._final_action(lowered, state)
         if not self._moves.actions:  # nobody can walk: a rule applies to those at a goal
-            return self._is_at_goal(goals, poses), jnp.broadcast_to(at_goal, poses[0].shape)
+            is_at_goal = may_apply & self._is_at_goal(goals, poses)
+            return is_at_goal, jnp.broadcast_to(at_goal, poses[0].shape)
         arrived, has_path, best = first_moves(self._moves, goals, enterable, poses, undecided)
         moves = self._walk(best, enterable, situation)
-        return has_path, jnp.where(arrived, at_goal, moves)
+        return may_apply & has_path, jnp.where(arrived, at_goal, moves)
 
     def _is_at_goal(self, goals: Array, poses: Poses) -> Array:
         """Returns which agents are at a goal, `[N]` bool. goals: `[K, P, H, L]` boards."""

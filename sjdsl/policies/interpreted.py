@@ -7,7 +7,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import action_named, blocks_always
+from sjdsl.compiler.ir.queries import action_named, blocks_always, closes_paths
 from sjdsl.interpreter.board import Board, board_of
 from sjdsl.interpreter.bodies import occupied, where_is
 from sjdsl.interpreter.evaluate import arguments_of, evaluate, members_of
@@ -83,13 +83,19 @@ def choose(
     if cell is None:
         return stay
     for rule in policy.rules:
+        inner = instance
+        if rule.on is not None:
+            if instance.board.kind_of[cell] not in rule.on.kinds:
+                continue
+            inner = instance.binding({rule.on.name: cell})
+        if rule.condition is not None and not evaluate(rule.condition, inner):
+            continue
         match rule:
             case ir.Act():
-                if evaluate(rule.condition, instance):
-                    return _final_action(rule, instance)
+                return _final_action(rule, inner)
             case ir.Go() | ir.Aim():
                 pose = Pose(cell, world.heading[agent])
-                action = _go_towards(rule, instance, pose, bits, stay)
+                action = _go_towards(rule, inner, pose, bits, stay)
                 if action is not None:
                     return action
     return stay
@@ -102,12 +108,13 @@ def _go_towards(
     walk_map = _walk_map_of(instance.board)
     members = set(_cells_of(rule.domain, instance))
     avoided = set() if rule.avoided is None else set(_cells_of(rule.avoided, instance))
+    closed = set(_closed_cells(instance))
     if isinstance(rule, ir.Go):
-        enterable = walk_map.open - (avoided - members)
+        enterable = walk_map.open - closed - (avoided - members)
         goals = {Pose(cell, heading) for cell in members for heading in range(4)}
         at_goal = stay
     else:
-        enterable = walk_map.open - avoided
+        enterable = walk_map.open - closed - avoided
         reached = _reached_cells(walk_map.board, rule.shape)
         goals = {aiming for aiming, cells in reached.items() if not cells.isdisjoint(members)}
         at_goal = _final_action(rule, instance)
@@ -126,6 +133,16 @@ def _final_action(rule: ir.Act | ir.Aim, instance: Instance) -> int:
     action = action_named(instance.board.game, rule.chosen)
     arguments = tuple(evaluate(argument.value, instance) for argument in rule.given)
     return next(number for number in action.numbers if arguments_of(action, number) == arguments)
+
+
+def _closed_cells(instance: Instance) -> Iterator[Cell]:
+    """Yields the cells that block the agent by what it is, and so close its path."""
+    agent = instance.names["agent"]
+    for cell, name in instance.board.kind_of.items():
+        kind = instance.board.kinds[name]
+        seen = instance.only({kind.name: cell, "agent": agent})
+        if any(closes_paths(block) and evaluate(block.condition, seen) for block in kind.blocks):
+            yield cell
 
 
 def _cells_of(domain: ir.Domain, instance: Instance) -> Iterator[Cell]:

@@ -3,7 +3,7 @@
 ir.ScriptedPolicy -> for each of its rules, functions `(state, params) -> arrays`
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
@@ -15,7 +15,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.emit.expressions import text
 from sjdsl.compiler.emit.statements import function_lines
 from sjdsl.compiler.ir.names import KERNELS
-from sjdsl.compiler.ir.queries import action_named
+from sjdsl.compiler.ir.queries import action_named, closes_paths
 from sjdsl.compiler.lower import NotSupported, new_module, state_reads
 from sjdsl.compiler.lower.axes import Value, iota, spread
 from sjdsl.compiler.lower.chosen import action_number
@@ -47,7 +47,8 @@ class Cells:
 class LoweredRule:
     """A rule with functions of the state.
 
-    condition: gives `[N]` bool; sought, avoided: None if there are no such cells.
+    condition: gives `[N]` bool, None if the rule has none; sought, avoided: None if there are no
+    such cells.
     action: of a rule whose action has arguments, gives that of each agent, `[N]` int32; None for a
     rule with one action, `rule.action`.
     """
@@ -59,8 +60,21 @@ class LoweredRule:
     action: Read | None = None
 
 
-def lower_policy(policy: ir.ScriptedPolicy, game: ir.Game) -> tuple[list[LoweredRule], int]:
-    """Returns the rules of a policy in order, and the padding of the frame of their positions.
+@dataclass(frozen=True, eq=False)
+class LoweredPolicy:
+    """A policy with functions of the state.
+
+    rules: in order. closed: cells that each agent can't enter, by what it is. pad: the padding of
+    the frame of the positions in the state.
+    """
+
+    rules: tuple[LoweredRule, ...]
+    closed: tuple[Cells, ...]
+    pad: int
+
+
+def lower_policy(policy: ir.ScriptedPolicy, game: ir.Game) -> LoweredPolicy:
+    """Returns a policy with functions of the state.
 
     Raises NotSupported for what the compiler doesn't support.
     """
@@ -77,18 +91,20 @@ def lower_policy(policy: ir.ScriptedPolicy, game: ir.Game) -> tuple[list[Lowered
         read: Read = names[name]
         return read
 
-    def lower_cells(domain: ir.Domain | None) -> Cells | None:
-        """Returns the cells of a domain; None if it can't have any."""
+    def lower_cells(domain: ir.Domain | None, on: ir.Member | None = None) -> Cells | None:
+        """Returns the cells of a domain; None if it can't have any. on: the cell underfoot."""
         w = Writer(module)
         if domain is None or is_empty(domain, w):
             return None
-        numbers = _write_members(domain, module, w)
+        numbers = _write_members(domain, on, module, w)
         return Cells(make_function(w), numbers)
 
-    def lower_for_agents(value: Callable[[IterationScope, Writer], Value]) -> Read:
-        """Returns a function that gives a value for each agent, `[N]`."""
+    def lower_for_agents(
+        value: Callable[[IterationScope, Writer], Value], on: ir.Member | None = None
+    ) -> Read:
+        """Returns a function that gives a value for each agent, `[N]`. on: the cell underfoot."""
         w = Writer(module)
-        scope = _agents_scope(w)
+        scope = _agents_scope(on, w)
         w.give_back(spread(value(scope, w), scope.axes))
         return make_function(w)
 
@@ -102,35 +118,73 @@ def lower_policy(policy: ir.ScriptedPolicy, game: ir.Game) -> tuple[list[Lowered
             value, _ = action_number(action, rule.given, scope, w)
             return value
 
-        return lower_for_agents(number)
+        return lower_for_agents(number, rule.on)
+
+    def lower_condition(rule: ir.PolicyRule) -> Read | None:
+        """Returns `LoweredRule.condition`."""
+        test = rule.condition
+        if test is None:
+            return None
+        return lower_for_agents(lambda scope, w: scope.mask & w.value(test, scope), rule.on)
 
     def lower_rule(rule: ir.PolicyRule) -> LoweredRule:
         """Returns a rule with its functions."""
+        condition = lower_condition(rule)
         if isinstance(rule, ir.Act):
-            condition = lower_for_agents(lambda scope, w: w.value(rule.condition, scope))
             return LoweredRule(rule, condition, action=lower_action(rule))
         return LoweredRule(
             rule,
-            sought=lower_cells(rule.domain),
-            avoided=lower_cells(rule.avoided),
+            condition,
+            sought=lower_cells(rule.domain, rule.on),
+            avoided=lower_cells(rule.avoided, rule.on),
             action=lower_action(rule),
         )
 
-    rules = [lower_rule(rule) for rule in policy.rules]
+    can_apply = [
+        rule
+        for rule in policy.rules
+        if rule.on is None or module.layout.num_cells(rule.on.kinds) > 0
+    ]
+    rules = tuple(lower_rule(rule) for rule in can_apply)
+    closed = []
+    if any(not isinstance(rule, ir.Act) for rule in can_apply):
+        for domain in _closing(game):
+            cells = lower_cells(domain)
+            if cells is not None:
+                closed.append(cells)
     # What the functions use is known when all of them have been written.
     names.update(namespace(module))
-    return rules, module.layout.pad
+    return LoweredPolicy(rules, tuple(closed), module.layout.pad)
 
 
-def _agents_scope(w: Writer) -> IterationScope:
-    """Returns a scope with one axis, of agents, in which `agent` is bound."""
+def _closing(game: ir.Game) -> Iterator[ir.Domain]:
+    """Yields the domains of cells that an agent can't enter by what it is."""
+    for kind in game.kinds:
+        cell = ir.Member(name=kind.name, sort=ir.Sort("cell", (kind.name,)))
+        for block in kind.blocks:
+            if closes_paths(block):
+                yield ir.Domain(var=cell, where=block.condition, origin=block.origin)
+
+
+def _agents_scope(on: ir.Member | None, w: Writer) -> IterationScope:
+    """Returns a scope with one axis, of agents, in which `agent` is bound.
+
+    on: the cell under each, of these kinds, under a name; those elsewhere are masked.
+    """
     axis = w.axis("agent", w.module.agents)
-    return IterationScope(axes=(axis,), variables={"agent": AgentVar(iota(axis), axis)})
+    agent = AgentVar(iota(axis), axis)
+    scope = IterationScope(axes=(axis,), variables={"agent": agent})
+    if on is None:
+        return scope
+    site, is_on = state_reads.site_under(agent, on.kinds, w)
+    return scope.binding(on.name, CellVar(site, on.kinds)).when(is_on)
 
 
-def _write_members(domain: ir.Domain, module: Module, w: Writer) -> np.ndarray | None:
-    """Writes the body of `Cells.read`; returns `Cells.numbers`."""
-    outer = _agents_scope(w)
+def _write_members(
+    domain: ir.Domain, on: ir.Member | None, module: Module, w: Writer
+) -> np.ndarray | None:
+    """Writes the body of `Cells.read`; returns `Cells.numbers`. on: the cell underfoot."""
+    outer = _agents_scope(on, w)
     inner = enter(domain, outer, w)
     added = tuple(axis for axis in inner.axes if axis not in outer.axes)
     if len(added) > 1:

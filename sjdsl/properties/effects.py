@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import all_fields, body_sort, written_field
+from sjdsl.compiler.ir.queries import all_fields, beginning_phases, body_sort, written_field
 
 # Part of the state: ("agent", field), ("cell", kind, field), ("mover", type, field), ("world",
 # field), ("event", name), or one of those below.
@@ -100,8 +100,9 @@ def _changed_between(game: ir.Game, trials: ir.Trials) -> Iterator[Part]:
     """Yields what can differ from trial to trial though no phase of the schedule writes it."""
     yield field_part("world", "", "trial")
     kept = {field_part(field.held_by.what, field.held_by.name, field.name) for field in trials.kept}
-    for node in ir.walk(game.start):
-        yield from (part for part in written_by(node) if part not in kept)
+    for phase in beginning_phases(game):
+        for node in ir.walk(phase):
+            yield from (part for part in written_by(node) if part not in kept)
 
 
 def written_by(n: ir.Node) -> Iterator[Part]:
@@ -120,6 +121,8 @@ def written_by(n: ir.Node) -> Iterator[Part]:
                 yield part_of("away", body_sort(n.who))
         case ir.Shift():
             yield from (PLACE, part_of("heading", body_sort(n.who)))
+        case ir.Face():
+            yield HEADING
         case ir.Remove():
             yield from (PLACE, part_of("away", body_sort(n.who)))
         case _:

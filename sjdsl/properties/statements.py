@@ -9,13 +9,12 @@ from itertools import count
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import contains
+from sjdsl.compiler.ir.queries import beginning_phases, contains
 from sjdsl.interpreter.account import Account
 from sjdsl.properties.effects import Part, reads, reads_and_blocks, written_by
 
 # One statement in one use of a phase: the label of that, then file and offset of the statement.
 StatementId = tuple[str, str, int]
-STARTING = "start"
 
 
 @dataclass(frozen=True)
@@ -40,10 +39,10 @@ def statement_id(label: str, statement: ir.Node) -> StatementId:
 def leaf_statements(game: ir.Game) -> tuple[LeafStatement, ...]:
     """Returns the statements that change the state, pay, count or end.
 
-    First those of the phase `start`, then those of the schedule.
+    First those of the phases with which an episode begins, then those of the schedule.
     """
-    leaves = list(_leaves(game.start.body, STARTING, ()))
-    for turn in game.schedule:
+    leaves: list[LeafStatement] = []
+    for turn in (*beginning_phases(game), *game.schedule):
         if isinstance(turn, ir.Phase):
             leaves += _leaves(turn.body, turn.label, ())
     return tuple(leaves)
@@ -120,11 +119,11 @@ def _read_by(leaf: LeafStatement, game: ir.Game) -> Iterator[Part]:
 
 
 def statements_run(accounts: Iterable[Account]) -> set[StatementId]:
-    """Returns the statements that ran in a step, or in the phase `start`."""
+    """Returns the statements that ran in a step, or when an episode began."""
     statements: set[StatementId] = set()
     for account in accounts:
         if isinstance(account.turn, ir.Phase):
-            label = STARTING if account.turn.name == STARTING else account.turn.label
+            label = account.turn.label
             statements |= {statement_id(label, done.statement) for done in account.done}
     return statements
 
@@ -132,7 +131,7 @@ def statements_run(accounts: Iterable[Account]) -> set[StatementId]:
 def count_statements(game: ir.Game) -> tuple[ir.Game, dict[str, StatementId]]:
     """Returns the game with events that count its statements, and these: name -> statement.
 
-    Nothing is counted in `start`, and in phases in which agents move.
+    Nothing is counted when an episode begins, and in phases in which agents move.
     """
     counter = _Counter(
         {leaf.statement_id for leaf in leaf_statements(game)}, {event.name for event in game.events}

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ir.free_variables import variables_around
-from sjdsl.compiler.ir.queries import body_sort
+from sjdsl.compiler.ir.queries import beginning_phases, body_sort
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.interpreter.evaluate import arguments_of
 from sjdsl.properties.instances import GameFamily
@@ -80,10 +80,11 @@ def why_symmetric(check: ir.Check, game: ir.Game) -> str:
     sort = _sort_of(check)
     whose = "an agent's number" if sort == AGENTS else f"the number of a `{sort.name}`"
     reason = f"no rule of a step reads {whose}"
-    for node in ir.walk(game.start):
-        if _reads_number(node, sort):
-            line = _line(node, game.start)
-            return f"{reason}; `phase start` does, in line {line}, and is not part of this"
+    for phase in beginning_phases(game):
+        for node in ir.walk(phase):
+            if _reads_number(node, sort):
+                does = f"`phase {phase.label}` does, in line {_line(node, phase)}"
+                return f"{reason}; {does}, and is not part of this"
     return reason
 
 

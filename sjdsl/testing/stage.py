@@ -6,11 +6,11 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from sjdsl.compiler import Build
+from sjdsl.compiler import Build, ir
 from sjdsl.compiler.ir.sorts import Sort
 from sjdsl.interpreter.board import Board, board_of
-from sjdsl.interpreter.state import Cell
-from sjdsl.interpreter.step import reset
+from sjdsl.interpreter.state import Cell, World
+from sjdsl.interpreter.step import play_starting, reset
 from sjdsl.interpreter.threefry import Threefry
 from sjdsl.library.checked_game import build_game
 from sjdsl.library.factory import environment_of
@@ -19,7 +19,13 @@ from sjdsl.near_names import meant
 from sjdsl.runtime.env import Environment
 from sjdsl.testing.engines import Compiled, Numbers, compile_quickly, interpreter_params, key_bits
 from sjdsl.testing.paths import find_field, write_field
-from sjdsl.testing.pictures import put_picture, read_mover_cells, read_picture, read_poses
+from sjdsl.testing.pictures import (
+    Pose,
+    put_picture,
+    read_mover_cells,
+    read_picture,
+    read_poses,
+)
 from sjdsl.testing.scene import Scene
 from sjdsl.testing.signs import Signs, make_signs
 from sjdsl.testing.states import make_away
@@ -152,30 +158,21 @@ class Stage:
         game = self.env.game
         board = self.board
         interpreted = self.numbers(params).interpreted
-        world = reset(game, interpreted, Threefry(*key_bits(0)), sends=False)
+        draws = Threefry(*key_bits(0))
+        world = reset(game, interpreted, draws, sends=False)
         rows = read_picture(picture, self.signs)
         poses = read_poses(rows, self.signs, board.agents, away)
-        put_picture(rows, poses, under, self.signs, board, world)
-        world.position = [None] * board.agents
-        world.heading = [0] * board.agents
-        for agent, (row, col, heading) in poses.items():
-            world.position[agent] = Cell(row, col)
-            world.heading[agent] = heading
-        for agent, absence in away.items():
-            world.away[agent] = make_away(game, agent, *_ticks_and_phase(absence))
         unknown = [sort for sort in (*movers_away, *numbers) if sort not in world.movers]
         if unknown:
             near = meant(unknown[0], world.movers)
             raise ValueError(f"the game has no movers `{unknown[0]}`{near}")
-        for sort, cells in read_mover_cells(rows, self.signs, numbers, movers_away).items():
-            herd = world.movers[sort]
-            herd.position = cells
-            herd.moved = [False] * len(cells)
-            herd.fields["heading"] = ["north"] * len(cells)
-            herd.away = [None] * len(cells)
-            for number, absence in movers_away.get(sort, {}).items():
-                ticks, phase = _ticks_and_phase(absence)
-                herd.away[number] = make_away(game, number, ticks, phase, Sort("mover", (sort,)))
+        mover_cells = read_mover_cells(rows, self.signs, numbers, movers_away)
+        put_picture(rows, poses, under, self.signs, board, world)
+        _put_bodies(poses, away, mover_cells, movers_away, game, world)
+        if game.starting:  # they see the picture, and change nothing that it shows
+            world = play_starting(game, world, draws)
+            put_picture(rows, poses, under, self.signs, board, world)
+            _put_bodies(poses, away, mover_cells, movers_away, game, world)
         for path, values in (fields or {}).items():
             write_field(find_field(game, path), values, board, world)
         world.step = step
@@ -196,6 +193,35 @@ class Stage:
         if not self.interpreted:
             scene.compare_start(seed)
         return scene
+
+
+def _put_bodies(
+    poses: Mapping[int, Pose],
+    away: Mapping[int, int | tuple[int, str]],
+    mover_cells: Mapping[str, list[Cell | None]],
+    movers_away: Mapping[str, Mapping[int, int | tuple[int, str]]],
+    game: ir.Game,
+    world: World,
+) -> None:
+    """Places all agents and movers in a world, those too that are away."""
+    world.position = [None] * game.agents.number
+    world.heading = [0] * game.agents.number
+    world.moved = [False] * game.agents.number
+    world.away = [None] * game.agents.number
+    for agent, (row, col, heading) in poses.items():
+        world.position[agent] = Cell(row, col)
+        world.heading[agent] = heading
+    for agent, absence in away.items():
+        world.away[agent] = make_away(game, agent, *_ticks_and_phase(absence))
+    for sort, cells in mover_cells.items():
+        herd = world.movers[sort]
+        herd.position = list(cells)
+        herd.moved = [False] * len(cells)
+        herd.fields["heading"] = ["north"] * len(cells)
+        herd.away = [None] * len(cells)
+        for number, absence in movers_away.get(sort, {}).items():
+            ticks, phase = _ticks_and_phase(absence)
+            herd.away[number] = make_away(game, number, ticks, phase, Sort("mover", (sort,)))
 
 
 def _ticks_and_phase(absence: int | tuple[int, str]) -> tuple[int, str | None]:

@@ -133,4 +133,4 @@ def make_away(
             "and a scene can't say to which"
         )
     ((pool, send),) = fitting
-    return Away(ticks, pool, send.facing)
+    return Away(ticks, pool, send.facing if send.way is None else "same")

@@ -183,8 +183,11 @@ def _bodies(account: Account, board: Board, numbers: RandomNumbers) -> Iterator[
                 if Slot("heading", (body.sort, n), ()) in written:
                     continue  # an effect on a field
             if old != new:
-                used = tuple(_used(changed, body, account, by, numbers))
-                yield Effect(changed, body, old=old, new=new, by=by, draws=used)
+                causes = by
+                if changed != "heading":
+                    causes = tuple(done for done in by if not isinstance(done.statement, ir.Face))
+                used = tuple(_used(changed, body, account, causes, numbers))
+                yield Effect(changed, body, old=old, new=new, by=causes, draws=used)
 
 
 def _senders(account: Account, board: Board, body: Body) -> Iterator[Done]:
@@ -203,6 +206,8 @@ def _senders(account: Account, board: Board, body: Body) -> Iterator[Done]:
             case ir.Send() if body in [sending.agent for sending in done.written.get("sends", ())]:
                 yield done
             case ir.Shift() if body in [sent.agent for sent in done.written.get("shifts", ())]:
+                yield done
+            case ir.Face() if body in [agent for agent, _ in done.written.get("turns", ())]:
                 yield done
             case ir.Remove(who=who):
                 removed = agents_in(evaluate(who, _instance(done, account, board)))

@@ -90,6 +90,7 @@ def test_what_fits_in_a_phase_is_offered(
             {"tree", "walk"},
         ),
         ("episode 20", "episode 20\n  |", {"kind", "phase", "agents", "variant"}, {"each", "tree"}),
+        ("phase walk {", "phase claim at | { }\n  phase walk {", {"start"}, {"tree", "agent"}),
         ("observe { window ahead 2", "observe { window |", {"ahead", "left"}, {"tree"}),
         ("always count(agent)", "always count(|)", {"agent", "tree"}, {"apple"}),
         ("{ always count", "{ |  always count", {"require", "expect"}, {"each"}),

@@ -55,15 +55,31 @@ def _title(w: World) -> str:
 
 
 def _rule(w: World) -> str:
-    scope = Scope(w, "policy").having(Variable("agent"))
+    sort = w.random.choice(("act", "go", "go", "aim"))
+    guard, scope = _guard(w, Scope(w, "policy").having(Variable("agent")), needed=sort == "act")
     action = (taken(scope) if w.is_now(0.4) else "") or w.random.choice(w.actions)
-    match w.random.choice(("act", "go", "go", "aim")):
+    match sort:
         case "act":
-            return f"when {condition(scope, 2)} choose {action}"
+            return f"{guard}choose {action}"
         case "go":
-            return f"seek {_sought(scope)}"
+            return f"{guard}seek {_sought(scope)}"
         case _:
-            return f"aim {shape_for(scope, agent=True)[0]} at {_sought(scope)} choose {action}"
+            shape, _ = shape_for(scope, agent=True)
+            return f"{guard}aim {shape} at {_sought(scope)} choose {action}"
+
+
+def _guard(w: World, scope: Scope, needed: bool) -> tuple[str, Scope]:
+    """Returns `when C `, `when on KIND `, or nothing where no guard is needed, and the scope behind it."""
+    if not needed and w.is_now(0.6):
+        return "", scope
+    if w.is_now(0.6):
+        return f"when {condition(scope, 2)} ", scope
+    kind = w.random.choice([*w.kinds, *w.groups])
+    name = w.variable() if w.is_now(0.5) else kind
+    bind = "" if name == kind else f" as {name}"
+    scope = scope.having(Variable(name, w.kinds_of(kind)))
+    where = f"where {condition(scope, 1)} " if w.is_now(0.6) else ""
+    return f"when on {kind}{bind} {where}", scope
 
 
 def _sought(scope: Scope) -> str:

@@ -27,6 +27,7 @@ from tests.fuzz.statements import Phase, block, braces, destination, indented
 from tests.fuzz.writing import Written
 
 SHARE_WITH_TRIALS = 0.2  # of programs
+STARTING = ("claim", "set_up", "deal_out")
 NAMES = ("grow", "share_out", "settle", "walk_on", "trade", "decay", "look_round")
 
 
@@ -63,9 +64,11 @@ def program(random: Random, checks: Callable[[World], list[Lines]] = checks) -> 
         *movers(w),
     ]
     loose += [[t] for t in w.shape_texts] + [[d.text] for d in w.defines]
-    turns, phases = schedule(w)
+    begin = starting(w)
+    turns, phases = schedule(w, begin)
     loose += [
         start(w),
+        *begin,
         [f"schedule {' -> '.join(turns)}"],
         *phases,
         metrics(w),
@@ -349,8 +352,20 @@ def start(w: World) -> Lines:
     return braces("phase start", lines)
 
 
-def schedule(w: World) -> tuple[list[str], list[Lines]]:
-    """Returns the turns of a step and the phases they use."""
+def starting(w: World) -> list[Lines]:
+    """Returns phases that follow `start` when an episode begins."""
+    phases = []
+    for name in w.random.sample(STARTING, w.random.choice((0, 0, 0, 1, 2))):
+        if w.movers and w.is_now(0.2):
+            body = [_go(w, w.random.choice(list(w.movers)))]
+        else:
+            body = block(Scope(w, "beginning"), Phase(Written()), 0, least=w.random.choice((1, 2)))
+        phases.append(braces(f"phase {name} at start", body))
+    return phases
+
+
+def schedule(w: World, begin: list[Lines]) -> tuple[list[str], list[Lines]]:
+    """Returns the turns of a step and the phases they use. begin: those before the first step."""
     r = w.random
     turns, phases = [], []
     for name in r.sample(NAMES, r.randint(1, 4)):
@@ -368,7 +383,7 @@ def schedule(w: World) -> tuple[list[str], list[Lines]]:
         if w.is_now(0.8):
             turns.insert(r.randint(0, len(turns)), f"let_{sort}_go")
             phases.append(braces(f"phase let_{sort}_go", [_go(w, sort)]))
-    if _needs_tick(w, phases):
+    if _needs_tick(w, [*begin, *phases]):
         turns.insert(r.randint(0, len(turns)), "tick")
     elif w.is_now(0.1):
         turns.append("tick")

@@ -13,6 +13,7 @@ from tests.fuzz.reading import Frame, Scope, Typed, Variable
 from tests.fuzz.typed_numbers import fitted
 from tests.fuzz.writing import BOLD, Written, is_own, of_target_alone, write
 
+BEGINNING = ("start", "beginning")  # phases with which an episode begins
 NESTED = 3  # quantifiers and branches inside one another
 
 
@@ -47,12 +48,14 @@ def block(scope: Scope, phase: Phase, depth: int, least: int = 1) -> Lines:
     for _ in range(r.choice((1, 1, 2, 2, 3)) + least - 1):
         if r.random() < 0.15:
             made, scope = let(scope)
-        elif r.random() < 0.12 and scope.sort in ("phase", "start"):
+        elif r.random() < 0.12 and scope.sort in ("phase", *BEGINNING):
             made, scope = draw(scope)
         else:
             made = statement(scope, phase, depth)
         lines += made
-    return lines or effect(scope, phase) or ["give 1 to all"]
+    if lines or scope.sort in BEGINNING:
+        return lines
+    return effect(scope, phase) or ["give 1 to all"]
 
 
 def statement(scope: Scope, phase: Phase, depth: int) -> Lines:
@@ -135,7 +138,7 @@ def match_(scope: Scope, phase: Phase, depth: int) -> Lines:
         among = replace(among, frames=(*within.frames, Frame(False, placed=True)))
         body += braces(
             f"each agent as {one} in {{ {both[0].name}, {both[1].name} }}",
-            effect(among, phase) or [f"give 1 to {one}"],
+            effect(among, phase) or ([] if scope.sort in BEGINNING else [f"give 1 to {one}"]),
         )
     return braces(f"match {left} with {'first ' if nearest else ''}{right}", body)
 
@@ -264,20 +267,14 @@ def effect(scope: Scope, phase: Phase) -> Lines:
         )
         if made:
             return made
-    makers = (
-        [write] * 6
-        + [give] * 3
-        + [tally] * 3
-        + [send] * 2
-        + [shift] * 2
-        + [mark] * 2
-        + [remove, end]
-    )
+    makers = [write] * 6 + [send] * 2 + [shift] * 2 + [remove]
+    if scope.sort not in BEGINNING:
+        makers += [give] * 3 + [tally] * 3 + [mark] * 2 + [end]
     for make in (r.choice(makers), r.choice(makers)):
         made = make(scope, phase.written, 2) if make is write else make(scope, phase)  # type: ignore[operator]
         if made:
             return made
-    return give(scope, phase)
+    return [] if scope.sort in BEGINNING else give(scope, phase)
 
 
 def give(scope: Scope, _phase: Phase) -> Lines:
@@ -332,6 +329,8 @@ def send(scope: Scope, phase: Phase) -> Lines:
     facing = (
         f" facing {r.choice(('north', 'east', 'south', 'west', 'same'))}" if w.is_now(0.5) else ""
     )
+    if w.is_now(0.2):
+        facing = _way(scope if is_own(who, scope) else of_target_alone(scope, who)) or facing
     stay = " otherwise stay" if not certain or w.is_now(0.3) else ""
     return [f"send {who.name} to {text}{delay}{facing}{stay}"]
 
@@ -370,7 +369,15 @@ def shift(scope: Scope, phase: Phase) -> Lines:
         if v.name != who.name
     ]
     facing = f" facing {r.choice((*HEADINGS, 'same'))}" if w.is_now(0.4) else ""
+    if w.is_now(0.2):
+        facing = _way(named) or facing
     return [f"send {who.name} by {far} {r.choice(ways)}{facing} otherwise stay"]
+
+
+def _way(scope: Scope) -> str:
+    """Returns a computed heading to face, nothing if there is none."""
+    found = word(scope, HEADINGS, 1)
+    return f" facing {found[0]}" if found and " " not in found[0] else ""
 
 
 def _delay(scope: Scope) -> str:
@@ -393,7 +400,7 @@ def mark(scope: Scope, _phase: Phase) -> Lines:
     w = scope.world
     agents = [v for v in scope.agents() if v.listed]
     agents = agents if agents or not w.is_now(BOLD / 4) else scope.agents()
-    if not agents or scope.sort == "start":
+    if not agents:
         return []
     shape, _ = shape_for(scope, agent=True)
     return [f"mark {shape} of {w.random.choice(agents).name}"]

@@ -50,7 +50,8 @@ def write(scope: Scope, written: Written, depth: int) -> Lines:
     options: list[tuple[Variable | None, Field, str]] = [(None, f, f.name) for f in w.fields]
     for v in scope.variables:
         fields = w.cell_fields(v.kinds) if v.kinds else w.fields_of(v.sort)
-        fields = [*fields, HEADING] if v.sort else fields
+        turns = bool(v.sort) or (not v.kinds and scope.sort != "start" and w.is_now(0.3))
+        fields = [*fields, HEADING] if turns else fields
         options += [(v, f, f"{v.name}.{f.name}") for f in fields]
     held = [Variable(text) for text in scope.sure] if w.is_now(0.3) else []
     options += [(v, f, f"{v.name}.{f.name}") for v in held for f in w.agent_fields]
@@ -78,8 +79,10 @@ def _write_one(
     if sums and w.is_now(0.55 if own else 0.8):
         return _add(scope, written, keys, own, bold, f, text, depth)
     lot = "lot of an entry" if entry else "lot"
+    is_agent_heading = f is HEADING and owner is not None and owner.is_agent
     if (
         scope.sort == "phase"
+        and not is_agent_heading
         and (bold or written.allows(keys, lot))
         and w.is_now(0.5 if keys and written.fields.get(keys[0]) else 0.15)
     ):

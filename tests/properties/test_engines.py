@@ -6,19 +6,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sjdsl.compiler import ir
+from sjdsl.compiler import build, ir
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.properties import GameFamily
 from sjdsl.properties.effects import is_untouched
 from sjdsl.properties.engines import EpisodeRunner
 from sjdsl.properties.state_conversion import world_of
+from sjdsl.properties.symmetry import why_symmetric
 from sjdsl.properties.trajectory import choose, play
 from sjdsl.properties.verify_properties import Verification
 
 from .small_games import ORCHARD, small_game
 
 TRIALS = Path(__file__).parents[1] / "cases" / "trials.sj"
+STARTING_PHASES = Path(__file__).parents[1] / "cases" / "starting.sj"
 CHECKS = """always fruit <= 2  always eaten <= 2 and zaps >= 0  conserved count(agent)  monotone bare falling in fruit
   expect eaten == 0 with never(zap, forward), seek tree where tree.fruit is ripe over 3 episodes
   expect zaps > 0 with random, seek agent as other where other is not agent over 3 episodes
@@ -68,6 +70,25 @@ def test_conserved_is_not_proved_if_trials_begin_differently() -> None:
     _, _, _, mood, luck, *_ = family.own.checks
     assert not is_untouched(mood.values[0], family.own, family.sends_later)
     assert is_untouched(luck.values[0], family.own, family.sends_later)
+
+
+def test_conserved_is_not_proved_if_phases_at_the_start_write_it() -> None:
+    text = STARTING_PHASES.read_text(encoding="utf-8")
+    text = text.replace("conserved owned + begun", "conserved owned  conserved begun")
+    family = GameFamily(Source("starting.sj", text, STARTING_PHASES.parent))
+    _, owned, begun, *_ = family.own.checks
+    assert not is_untouched(owned.values[0], family.own, family.sends_later)
+    assert is_untouched(begun.values[0], family.own, family.sends_later)
+
+
+def test_both_engines_play_the_same_phases_at_the_start() -> None:
+    assert_engines_agree(GameFamily(read_source(STARTING_PHASES)), seed=3)
+
+
+def test_symmetry_tells_which_phase_at_the_start_reads_a_number() -> None:
+    game = build(read_source(STARTING_PHASES)).game
+    check = next(check for check in game.checks if check.sort == "symmetric")
+    assert "`phase claim` does, in line" in why_symmetric(check, game)
 
 
 def test_a_state_of_an_episode_is_the_interpreters(orchard: GameFamily) -> None:

@@ -10,6 +10,7 @@ from sjdsl.compiler.ast.expressions import (
     Expr,
     Name,
     Named,
+    On,
     Path,
     ShapeRef,
     String,
@@ -20,23 +21,32 @@ from sjdsl.compiler.ast.node import Node
 from sjdsl.compiler.ast.statements import Block
 
 
-class Act(Node):
-    """`when C choose ACTION`"""
+class Guard(Node):
+    """`when C`, or `when on KIND as x where C`"""
 
-    condition: Expr
+    on: On | None
+    condition: Expr | None
+
+
+class Act(Node):
+    """`GUARD choose ACTION`"""
+
+    guard: Guard
     action: Chosen
 
 
 class Go(Node):
-    """`seek D avoiding E`"""
+    """`GUARD seek D avoiding E`"""
 
+    guard: Guard | None
     domain: Domain
     avoided: Domain | None
 
 
 class Aim(Node):
-    """`aim SHAPE at D avoiding E choose ACTION`"""
+    """`GUARD aim SHAPE at D avoiding E choose ACTION`"""
 
+    guard: Guard | None
     shape: ShapeRef
     domain: Domain
     avoided: Domain | None
@@ -230,7 +240,10 @@ class Schedule(Node):
 
 
 class Phase(Named):
+    """at: `start`, of a phase that is played when an episode begins."""
+
     parameters: tuple[Name, ...]
+    at: Name | None
     block: Block
 
 

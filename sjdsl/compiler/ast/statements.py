@@ -113,7 +113,7 @@ class Send(Node):
     who: Path
     domain: Domain | Path
     after: Expr | None
-    facing: Name | None
+    facing: Path | None
     stay: Name | None
 
 
@@ -130,7 +130,7 @@ class Shift(Node):
     who: Path
     steps: Expr
     direction: Direction
-    facing: Name | None
+    facing: Path | None
     stay: Name | None
 
 

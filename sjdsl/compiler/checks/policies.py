@@ -10,6 +10,7 @@ from sjdsl.compiler.ir.free_variables import free_variables, renamed
 from sjdsl.compiler.ir.implications import conjuncts, facts, is_known
 from sjdsl.compiler.ir.queries import (
     blocks_always,
+    closes_paths,
     contains,
     declared_field,
     num_cells,
@@ -26,7 +27,7 @@ def check_policies(game: ir.Game, sources: Mapping[str, Source], problems: Probl
     closed = [
         (kind.name, condition)
         for kind in there
-        for condition in _conditions(kind)
+        for condition in _conditions(kind, are_seen=False)
         if _lasts(condition, game)
     ]
     for walk in _walks(game):
@@ -92,12 +93,17 @@ def _reason(kind: ir.Kind, goal: ir.Domain, sources: Mapping[str, Source]) -> st
     return None
 
 
-def _conditions(kind: ir.Kind) -> list[ir.Expr]:
-    """Returns the conditions under which cells of a kind block agents."""
+def _conditions(kind: ir.Kind, are_seen: bool = True) -> list[ir.Expr]:
+    """Returns the conditions under which cells of a kind block agents.
+
+    are_seen: with those that paths take into account.
+    """
     return [
         block.condition
         for block in kind.blocks
-        if block.what == "agents" and block.condition is not None
+        if block.what == "agents"
+        and block.condition is not None
+        and (are_seen or not closes_paths(block))
     ]
 
 

@@ -22,6 +22,7 @@ from sjdsl.compiler.ir.printer import expression_text as text
 from sjdsl.compiler.ir.queries import (
     body_sort,
     cell_under_all,
+    contains,
     declared_field,
     phases_of,
     written_field,
@@ -108,7 +109,8 @@ class Write(Record, eq=False):
 
 
 class Around(Record):
-    """What surrounds a statement. `locals`: the variables each `let` and `draw` depends on (`draw` on itself); `lanes`: of each shape."""
+    """What surrounds a statement. `locals`: the variables each `let` and `draw` depends on (`draw` on itself); `lanes`: of each shape;
+    `turns_agents`: whether a statement of the phase sets the heading of agents, so that a `send` may not set another."""
 
     quantifiers: tuple[Quantifier, ...] = ()
     branches: tuple[Branch, ...] = ()
@@ -116,6 +118,7 @@ class Around(Record):
     locals: dict[str, frozenset[str]] = field(default_factory=dict)
     lanes: dict[str, int] = field(default_factory=dict)
     forbids: tuple[ir.Forbid, ...] = ()
+    turns_agents: bool = False
 
     def knowing(self, known: Iterable[Fact]) -> "Around":
         """Returns this with more that is known; of an agent that chose an action, also that it was not forbidden to."""
@@ -140,7 +143,8 @@ def check_conflicts(game: ir.Game, problems: Problems) -> None:
     """Reports every pair of writes of one phase that could disagree, and `move` beside other statements."""
     around = Around(lanes={s.name: len(s.lanes) for s in game.shapes}, forbids=game.agents.forbids)
     for phase in phases_of(game):
-        writes = list(_writes(phase.body, around))
+        turns_agents = contains(phase, ir.Face)
+        writes = list(_writes(phase.body, replace(around, turns_agents=turns_agents)))
         bounded = {write for write in writes if _is_bounded(write, game)}
         for write in writes:
             if not (
@@ -218,19 +222,21 @@ def _writes(body: tuple[ir.Stmt, ...], around: Around) -> Iterator[Write]:
             case ir.Set() | ir.Add():
                 yield _field_write(s, around)
             case ir.Send():
-                depends = _names(s.domain, around) | (
-                    frozenset() if s.after is None else _names(s.after, around)
-                )
+                depends = _names(s.domain, around)
+                for part in (s.after, s.way):
+                    if part is not None:
+                        depends |= _names(part, around)
                 value = (
                     "send",
                     s.pool,
                     None if s.after is None else form(s.after),
                     s.facing,
+                    None if s.way is None else form(s.way),
                     s.stay,
                 )
                 yield from _place_writes(s, value, depends, around)
             case ir.Shift():
-                parts = (s.to, s.steps, s.heading, s.other)
+                parts = (s.to, s.steps, s.heading, s.other, s.way)
                 depends = frozenset(
                     name for part in parts if part is not None for name in _names(part, around)
                 )
@@ -241,6 +247,19 @@ def _writes(body: tuple[ir.Stmt, ...], around: Around) -> Iterator[Write]:
                     *(None if part is None else form(part) for part in parts),
                 )
                 yield from _place_writes(s, by, depends, around)
+            case ir.Face():
+                yield Write(
+                    "set",
+                    Target("agent", "heading"),
+                    (),
+                    s.who,
+                    form(s.heading),
+                    _names(s.heading, around),
+                    s,
+                    around.quantifiers,
+                    around.branches,
+                    around.facts,
+                )
             case ir.Remove():
                 yield from _place_writes(s, ("remove",), frozenset(), around)
             case _:
@@ -254,10 +273,12 @@ def _place_writes(
     sort = body_sort(s.who)
     rest = (around.quantifiers, around.branches, around.facts)
     yield Write("place", Target("place", sort.name), (), s.who, value, depends, s, *rest)
-    if (
-        sort.what == "mover" and not isinstance(s, ir.Remove) and s.facing != "same"
-    ):  # the heading of a mover is a field
+    if isinstance(s, ir.Remove) or s.facing == "same":
+        return
+    if sort.what == "mover":  # the heading of a mover is a field
         yield Write("set", Target("mover", "heading"), sort.names, s.who, value, depends, s, *rest)
+    elif around.turns_agents:
+        yield Write("set", Target("agent", "heading"), (), s.who, value, depends, s, *rest)
 
 
 def _bound(d: ir.Domain) -> tuple[ir.Member, ...]:
@@ -508,6 +529,8 @@ def _report(a: Write, b: Write, phase: ir.Phase, problems: Problems) -> None:
         lot = ""
         if a.is_by_lot and b.is_by_lot:
             lot = "those who draw lots together write the same: let both set the whole row, or both an entry of it"
+        elif (a.target.of, a.target.name) == ("agent", "heading"):
+            lot = "let one of the two happen with `otherwise`, or send `facing same`, or write two phases"
         elif a.is_by_lot or b.is_by_lot:
             lot = "write `by lot` behind both, and all who would write it draw lots together"
         problems.add(

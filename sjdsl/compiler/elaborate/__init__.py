@@ -26,7 +26,7 @@ from sjdsl.compiler.elaborate.metrics_and_checks import (
 from sjdsl.compiler.elaborate.observations import hidden, observables
 from sjdsl.compiler.elaborate.policies import policies, scenarios
 from sjdsl.compiler.elaborate.possible import know_steps, report_never
-from sjdsl.compiler.elaborate.schedule import schedule, start
+from sjdsl.compiler.elaborate.schedule import schedule, start, starting
 from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.elaborate.tasks import check_not_told, task
 from sjdsl.compiler.elaborate.trials import episode
@@ -77,7 +77,8 @@ def elaborate(
     agents = build_agents(game, static, problems)
     start_phase = start(game, scope)
     typed_task = task(game, scope)
-    turns = schedule(game, scope)
+    starting_phases = starting(game, scope)
+    turns = schedule(game, [phase.name for phase in starting_phases], scope)
     view = window(game, scope)
     rules: list[ir.Node] = [*turns, *kinds]
     if agents is not None:
@@ -119,6 +120,7 @@ def elaborate(
         movers=tuple(static.movers.values()),
         shapes=tuple(shape for shape in static.shapes.values() if shape not in policy_shapes),
         start=start_phase,
+        starting=starting_phases,
         schedule=turns,
         window=view,
         observables=typed_observables,

@@ -8,6 +8,7 @@ from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.fitting import check_number, fitting_value
 from sjdsl.compiler.elaborate.lookup import declared_name, interval_text, is_agent, read_beside
+from sjdsl.compiler.elaborate.movers import check_heading
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.elaborate.trials import TRIAL
@@ -40,10 +41,7 @@ def target_of(path: ast.Path, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
         case ir.Attribute(name="row" | "col"):
             help_ = "agents change their places by `move` and by `send agent to KIND`"
         case ir.Attribute(name="heading"):
-            help_ = (
-                "agents turn by their actions, and where they are sent: "
-                "`send agent to KIND facing north`"
-            )
+            help_ = "write `set`: a heading is a word"
         case ir.ParamRef() | ir.Number():
             help_ = (
                 "numbers stay as they are; what changes is a field, "
@@ -79,6 +77,8 @@ def _target_beside(s: ast.Set | ast.Add, scope: Scope) -> tuple[ir.Expr, ir.VarF
 
 def set_(s: ast.Set, scope: Scope, use: PhaseUse) -> ir.Stmt:
     """Returns `set target = value` or `set target = value by lot`."""
+    if _is_heading(s.target, scope):
+        return _face(s, scope)
     target, field = _target_beside(s, scope)
     value = fitting_value(s.value, target, target.type, scope)
     if target.type.kind == "int":
@@ -93,6 +93,31 @@ def set_(s: ast.Set, scope: Scope, use: PhaseUse) -> ir.Stmt:
             raise scope.problems.unknown(s.lot, ("lot",), "what may follow `by` here")
         lot = use.streams.of_statement(use.streams.header(s.span))
     return ir.Set(target=target, value=value, lot=lot, origin=s.span)
+
+
+def _is_heading(path: ast.Path, scope: Scope) -> bool:
+    """Returns whether a path ends in `.heading`, and that is the heading of an agent."""
+    last = path.steps[-1] if path.steps else None
+    if not isinstance(last, ast.Member) or last.name.text != "heading":
+        return False
+    try:
+        return isinstance(scope.expression(path), ir.Attribute)
+    except Poisoned:
+        return False  # it is read once more, and its mistakes are reported once
+
+
+def _face(s: ast.Set, scope: Scope) -> ir.Face:
+    """Returns `set agent.heading = value`."""
+    heading = scope.expression(s.target)
+    assert isinstance(heading, ir.Attribute)
+    if s.lot is not None:
+        wanted = "the end of the statement"
+        help_ = "let one rule turn an agent, or draw a heading first and set it"
+        raise scope.expected(s.lot.span, wanted, "`by lot`", help_)
+    value = scope.narrowed(s.value)
+    wanted = "a heading (`north`, `east`, `south` or `west`)"
+    check_heading(value, s.value, wanted, scope)
+    return ir.Face(who=heading.owner, heading=value, origin=s.span)
 
 
 def _instead_of_set(s: ast.Set, field: ir.VarField, target: ir.Expr, scope: Scope) -> str:

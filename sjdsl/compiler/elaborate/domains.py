@@ -27,7 +27,7 @@ from sjdsl.compiler.ir.types import integer
 
 def domain(d: ast.Domain, scope: Scope, warns: bool = True) -> tuple[ir.Domain, Scope]:
     """Returns a domain and the scope inside it. warns: of a condition that never holds."""
-    var = _new_member(d, _sort_named(d.kind, scope), scope)
+    var = new_member(d, _sort_named(d.kind, scope), scope)
     restriction = None if d.restriction is None else _restriction(d.restriction, var, scope)
     inner = with_member(d, var, scope)
     on = None
@@ -38,7 +38,7 @@ def domain(d: ast.Domain, scope: Scope, warns: bool = True) -> tuple[ir.Domain, 
         cell = _cell_around(d.on, inner)
         if cell is None:
             sort = ir.Sort("cell", kinds_named(d.on.kind, inner))
-            on = _new_member(d.on, sort, inner)
+            on = new_member(d.on, sort, inner)
             inner = with_member(d.on, on, inner)
             inner = inner.knowing([ir.StandsOn(agent=var, kinds=on.kinds)])
         else:
@@ -70,7 +70,7 @@ def _sort_named(kind: ast.Name, scope: Scope) -> ir.Sort:
     return ir.Sort("cell", kinds_named(kind, scope))
 
 
-def _new_member(bound: ast.Domain | ast.On, sort: ir.Sort, scope: Scope) -> ir.Member:
+def new_member(bound: ast.Domain | ast.On, sort: ir.Sort, scope: Scope) -> ir.Member:
     """Returns the variable that a domain, or its `on KIND`, binds; reports a name in use."""
     name = bound.bind or bound.kind
     check_free(name, scope, bound.bind is not None)

@@ -108,13 +108,20 @@ def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
     return ir.Tally(event=name.text, word=entry, amount=amount, receiver=earner, origin=s.span)
 
 
-def _facing(facing: ast.Name | None, scope: Scope) -> str | None:
-    """Returns which way an agent faces after it is sent, None if that isn't written."""
+def _facing(facing: ast.Path | None, scope: Scope) -> dict[str, Any]:
+    """Returns the fields of the statement that say which way an agent faces after it is sent."""
     if facing is None:
-        return None
-    if facing.text not in FACINGS:
-        raise scope.problems.unknown(facing, FACINGS, "what an agent can be made to face")
-    return facing.text
+        return {}
+    name = facing.name
+    is_name = not facing.steps and name.text not in scope.variables
+    if is_name and name.text in FACINGS:
+        return {"facing": name.text}
+    known = (*scope.static.fields, *scope.static.params, *scope.static.defines, *scope.variables)
+    if not facing.steps and name.text not in known:
+        raise scope.problems.unknown(name, FACINGS, "what an agent can be made to face")
+    way = scope.narrowed(facing)
+    check_heading(way, facing, "a heading, such as `north` or `x.heading`, or `same`", scope)
+    return {"way": way}
 
 
 def _check_stay(stay: ast.Name | None, who_stays: str, scope: Scope) -> None:
@@ -145,7 +152,7 @@ def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
         return ir.Shift(
             who=who,
             to=cell,
-            facing=facing,  # type: ignore[arg-type]
+            **facing,
             stream=use.streams.of_statement(header),
             heading_stream=use.streams.of_statement(f"heading of {header}"),
             origin=s.span,
@@ -162,7 +169,7 @@ def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
         who=who,
         domain=destination,
         after=after,
-        facing=facing,  # type: ignore[arg-type]
+        **facing,
         stay=s.stay is not None,
         pool=use.pools.setdefault(header, len(use.pools)),
         cell_stream=use.streams.shared("send to", header),
@@ -229,7 +236,7 @@ def shift(s: ast.Shift, scope: Scope, use: PhaseUse) -> ir.Stmt:
     who = body(s.who, scope)
     check_placed(who, s.span, "send … by", scope)
     direction = _direction(s.direction, who, scope)
-    facing = _facing(s.facing, scope) or "same"
+    facing = _facing(s.facing, scope) or {"facing": "same"}
     _check_stay(s.stay, "who cannot go there", scope)
     if s.stay is None:
         raise scope.fail(errors.NoWayFree(s.span))
@@ -246,7 +253,7 @@ def shift(s: ast.Shift, scope: Scope, use: PhaseUse) -> ir.Stmt:
         who=who,
         steps=steps,
         **direction,
-        facing=facing,  # type: ignore[arg-type]
+        **facing,
         stream=stream,
         origin=s.span,
     )

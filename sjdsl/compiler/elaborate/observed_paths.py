@@ -50,6 +50,8 @@ def observer_scope(what: str, kind: str, name: str, scope: Scope) -> Scope:
             return observer.bind(kind, cell).bind(name, cell)
         case "mover":
             return observer.bind_member(kind, ir.Sort("mover", (kind,)))
+        case "heading":
+            return observer.bind_member("other", AGENTS)
         case "other" | "everyone":
             return observer.bind_member(what, AGENTS)
         case _:
@@ -70,6 +72,8 @@ def resolve(observable: ast.Show | ast.Hide, scope: Scope) -> list[Seen]:
         raise scope.expected(path.span, wanted, "an entry of a row", _whole_row(path, static))
     if len(members) > 1 or (members and head in static.fields):
         raise scope.expected(path.span, wanted, "another path")
+    if head == "other" and members and members[0].text == "heading":
+        return [_heading_of_others(observable, members[0], scope)]
     if members:
         return _of_owner(path.name, members[0], scope)
     kinds = static.kinds_of(head)
@@ -132,15 +136,6 @@ def _of_owner(owner: ast.Name, name: ast.Name, scope: Scope) -> list[Seen]:
     owners = ["agent"] if head in OWNERS else [*(kinds or ()), head]
     if any(Symbol("field", name.text, each) in static.broken for each in owners):
         raise Poisoned
-    if head == "other" and name.text == "heading":
-        raise scope.fail(
-            errors.WrongSort(
-                name.span,
-                name="other.heading",
-                actual="always seen, as the observer sees it",
-                wanted="one of their fields, `index`, `row`, `col` or `moved`",
-            )
-        )
     if head in OWNERS:
         if name.text in static.agent_fields:
             static.refer(name, Symbol("field", name.text, "agent"))
@@ -158,6 +153,20 @@ def _of_owner(owner: ast.Name, name: ast.Name, scope: Scope) -> list[Seen]:
         static.refer(name, Symbol("field", name.text, kind))
         seen.append(Seen(("cell", kind, name.text), fields[name.text]))
     return seen
+
+
+def _heading_of_others(observable: ast.Show | ast.Hide, name: ast.Name, scope: Scope) -> Seen:
+    """Returns what `hide other.heading` names; reports `show`, as it is seen anyway."""
+    if isinstance(observable, ast.Show):
+        raise scope.fail(
+            errors.WrongSort(
+                name.span,
+                name="other.heading",
+                actual="seen anyway, as the observer sees it, unless `hide other.heading`",
+                wanted="one of their fields, `index`, `row`, `col` or `moved`",
+            )
+        )
+    return Seen(("heading", "", ""))
 
 
 def _no_field_of_kind(name: ast.Name, kind: str, head: str, scope: Scope) -> Poisoned:

@@ -11,8 +11,8 @@ from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.elaborate import shapes
 from sjdsl.compiler.elaborate.actions import arguments_given, check_exists, declared_action
-from sjdsl.compiler.elaborate.domains import domain
-from sjdsl.compiler.elaborate.lookup import check_arguments
+from sjdsl.compiler.elaborate.domains import domain, new_member, with_member
+from sjdsl.compiler.elaborate.lookup import check_arguments, kinds_named
 from sjdsl.compiler.elaborate.possible import check_possible, why_impossible
 from sjdsl.compiler.elaborate.scope import Scope
 from sjdsl.compiler.ir.implications import conjuncts
@@ -54,8 +54,7 @@ def _rules(
             always_applies = ""
         rule = _rule(tree, scope)
         rules.append(rule)
-        if isinstance(rule, ir.Act):
-            check_possible(rule.condition, scope)
+        if isinstance(rule, ir.Act) and rule.on is None:
             otherwise = ir.Not(value=rule.condition)
             reasons = (why_impossible(part, scope) for part in conjuncts(otherwise))
             always_applies = next(filter(None, reasons), "")
@@ -65,18 +64,23 @@ def _rules(
 
 def _rule(rule: ast.Act | ast.Go | ast.Aim, scope: Scope) -> ir.PolicyRule:
     """Returns a typed rule of a scripted policy."""
+    on, test, scope = _guarded(rule.guard, scope)
     if isinstance(rule, ast.Act):
-        test = scope.condition(rule.condition)
-        action, chosen, given = _action(rule.action, scope.knowing([test]))
-        return ir.Act(condition=test, action=action, chosen=chosen, given=given, origin=rule.span)
+        assert test is not None, rule
+        action, chosen, given = _action(rule.action, scope)
+        return ir.Act(
+            on=on, condition=test, action=action, chosen=chosen, given=given, origin=rule.span
+        )
     goal, _ = domain(rule.domain, scope)
     avoided = None
     if rule.avoided is not None:
         avoided, _ = domain(rule.avoided, scope)
     if isinstance(rule, ast.Go):
-        return ir.Go(domain=goal, avoided=avoided, origin=rule.span)
+        return ir.Go(on=on, condition=test, domain=goal, avoided=avoided, origin=rule.span)
     action, chosen, given = _action(rule.action, scope)
     return ir.Aim(
+        on=on,
+        condition=test,
         shape=shapes.used(rule.shape, scope).name,
         domain=goal,
         avoided=avoided,
@@ -85,6 +89,28 @@ def _rule(rule: ast.Act | ast.Go | ast.Aim, scope: Scope) -> ir.PolicyRule:
         given=given,
         origin=rule.span,
     )
+
+
+def _guarded(
+    guard: ast.Guard | None, scope: Scope
+) -> tuple[ir.Member | None, ir.Expr | None, Scope]:
+    """Returns the cell that a guard binds, its condition, and the scope of the rest of the rule."""
+    if guard is None:
+        return None, None, scope
+    on = None
+    test: ir.Expr | None = None
+    if guard.on is not None:
+        agent = scope.variables["agent"]
+        assert isinstance(agent, ir.Member)
+        on = new_member(guard.on, ir.Sort("cell", kinds_named(guard.on.kind, scope)), scope)
+        scope = with_member(guard.on, on, scope)
+        test = ir.StandsOn(agent=agent, kinds=on.kinds, origin=guard.on.span)
+        scope = scope.knowing([test])
+    if guard.condition is not None:
+        test = scope.condition(guard.condition)
+        check_possible(test, scope)
+        scope = scope.knowing([test])
+    return on, test, scope
 
 
 def _action(action: ast.Chosen, scope: Scope) -> tuple[int, str, tuple[ir.Given, ...]]:

@@ -1,6 +1,7 @@
 """Elaborates the schedule: builds each use of a phase separately, with its arguments."""
 
 import re
+from collections.abc import Iterable
 from dataclasses import replace
 from itertools import chain
 
@@ -8,13 +9,16 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol, local_symbol
 from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors, limits
+from sjdsl.compiler.diagnostics.diagnostic import Fix
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.lookup import check_arguments
+from sjdsl.compiler.elaborate.possible import STEP
 from sjdsl.compiler.elaborate.scope import Scope
 from sjdsl.compiler.elaborate.statements import block
 from sjdsl.compiler.elaborate.streams import PhaseUse, Streams
 from sjdsl.compiler.ir.names import Names, phase_function
 from sjdsl.compiler.ir.printer import expression_text as text
+from sjdsl.compiler.ir.types import integer
 from sjdsl.near_names import nearest
 
 # Expressions of these alone have the same value in all of an episode.
@@ -35,11 +39,58 @@ def start(game: Composition, scope: Scope) -> ir.Phase | None:
         return None
     with scope.problems.skip_if_broken():
         check_arguments("start", phase.name.span, len(phase.parameters), 0, scope)
-    return _typed_phase(phase, "start", "start", {}, replace(scope, part="start"))
+    typed = _typed_phase(phase, "start", "start", {}, replace(scope, part="start"))
+    _check_before_steps(typed, scope)
+    return typed
 
 
-def schedule(game: Composition, scope: Scope) -> tuple[ir.Turn, ...]:
-    """Returns the turns of a step in order."""
+def starting(game: Composition, scope: Scope) -> tuple[ir.Phase, ...]:
+    """Returns the phases that follow `start` when an episode begins, in the order written."""
+    functions = Names({"start", "draw_task"})
+    no_step_yet = ir.Compare(fn="==", left=STEP, right=ir.Number(type=integer(0, 0), value=0))
+    scope = scope.knowing([no_step_yet])
+    typed: list[ir.Phase] = []
+    for name, phase in game.phases.items():
+        if name == "start" or phase.at is None:
+            continue
+        with scope.problems.survive():
+            if phase.at.text != "start":
+                fix = Fix(phase.at.span, "start")
+                help_ = "write `at start`: such a phase is played when an episode begins"
+                raise scope.fail(
+                    errors.UnknownName(phase.at.span, name=phase.at.text, help=help_, fix=fix)
+                )
+            check_arguments(name, phase.name.span, len(phase.parameters), 0, scope)
+        values = dict.fromkeys(parameter.text for parameter in phase.parameters)
+        function = functions.fresh(phase_function(name))
+        typed.append(_typed_phase(phase, name, function, values, scope))
+        _check_before_steps(typed[-1], scope)
+    return tuple(typed)
+
+
+def _check_before_steps(phase: ir.Phase, scope: Scope) -> None:
+    """Reports what only a step has, in a phase with which an episode begins."""
+    for node in chain.from_iterable(map(ir.walk, phase.body)):
+        match node:
+            case ir.Give():
+                what = "nobody can be paid"
+            case ir.Tally():
+                what = "nothing is counted"
+            case ir.End():
+                what = "nothing can end"
+            case ir.Mark():
+                what = "nothing is marked"
+            case ir.Chose() | ir.ChoseWith() | ir.ArgumentOf() | ir.Move(course=None):
+                what = "nobody has chosen an action"
+            case _:
+                continue
+        scope.problems.add(errors.NotBeforeSteps(node.span, what=what, name=phase.label))
+
+
+def schedule(
+    game: Composition, functions_at_start: Iterable[str], scope: Scope
+) -> tuple[ir.Turn, ...]:
+    """Returns the turns of a step in order. functions_at_start: names of phases at the start."""
     if game.schedule is None:
         example = "`schedule phase -> phase` with its phases in order"
         scope.problems.add(errors.MissingPart(game.span, part="schedule", example=example))
@@ -50,7 +101,7 @@ def schedule(game: Composition, scope: Scope) -> tuple[ir.Turn, ...]:
         return ()
     _check_phases_exist(game, game.schedule, scope)
     labels: list[str] = []
-    functions = Names({"start", "draw_task"})
+    functions = Names({"start", "draw_task", *functions_at_start})
     turns: list[ir.Turn] = []
     for turn in game.schedule.turns:
         with scope.problems.skip_if_broken():
@@ -61,7 +112,7 @@ def schedule(game: Composition, scope: Scope) -> tuple[ir.Turn, ...]:
                 turns.append(_phase_use(turn, game, scope, labels, functions))
     scheduled = {turn.name.text for turn in game.schedule.turns}
     for name, phase in game.phases.items():
-        if name != "start" and name not in scheduled:
+        if name != "start" and phase.at is None and name not in scheduled:
             scope.problems.add(errors.PhaseNotScheduled(phase.name.span, name=name))
             unknown_values = dict.fromkeys(parameter.text for parameter in phase.parameters)
             _typed_phase(phase, name, "", unknown_values, scope)  # to report its mistakes
@@ -99,7 +150,7 @@ def _phase_use(
     name = turn.name.text
     phase = game.phases[name]
     scope.static.refer(turn.name, Symbol("phase", name))
-    if name == "start":
+    if name == "start" or phase.at is not None:
         raise scope.fail(errors.StartScheduled(turn.name.span, name=name))
     check_arguments(name, turn.span, len(turn.arguments), len(phase.parameters), scope)
     values: dict[str, ir.Expr | str | None] = {}

@@ -280,9 +280,11 @@ class Policy(Node):
 class Act(PolicyRuleNode):
     """Take an action, by its number, where the condition over Member `agent`, who acts, holds.
 
+    `on`: only on a cell of these kinds, which the rest of the rule knows by this name.
     `given`: of the action with arguments `chosen`, whose first number `action` is; its values are surely those of the argument.
     """
 
+    on: Member | None = None
     condition: Expr
     action: int
     chosen: str = ""
@@ -290,8 +292,10 @@ class Act(PolicyRuleNode):
 
 
 class Go(PolicyRuleNode):
-    """Walk to the nearest member of the domain, through none of those avoided; both may speak of `agent`."""
+    """Walk to the nearest member of the domain, through none of those avoided; both may speak of `agent`. `on`, `condition`: as of Act."""
 
+    on: Member | None = None
+    condition: Expr | None = None
     domain: Domain
     avoided: Domain | None = None
 
@@ -299,6 +303,8 @@ class Go(PolicyRuleNode):
 class Aim(PolicyRuleNode):
     """Walk and turn until a member of the domain is in the shape, then take an action, as `Act` does. `shape` names one of the game's or its policies'."""
 
+    on: Member | None = None
+    condition: Expr | None = None
     shape: str
     domain: Domain
     avoided: Domain | None = None
@@ -412,7 +418,7 @@ class Task(Node):
 class Game(Node):
     """A whole game, one variant of it: what the interpreter runs and the lowering reads.
 
-    `episode`: the steps of a trial, or of the episode in a game without trials. `chosen`: the variants applied, of all its `variants`. `policy_shapes`: those that its policies speak of and no rule does. `edges`: of the map; those that are joined make it a torus.
+    `episode`: the steps of a trial, or of the episode in a game without trials. `chosen`: the variants applied, of all its `variants`. `starting`: the phases that follow `start` when a trial or an episode begins. `policy_shapes`: those that its policies speak of and no rule does. `edges`: of the map; those that are joined make it a torus.
     """
 
     name: str
@@ -435,6 +441,7 @@ class Game(Node):
     movers: tuple[Movers, ...] = ()
     shapes: tuple[Shape, ...] = ()
     start: Phase
+    starting: tuple[Phase, ...] = ()
     schedule: tuple[Turn, ...]
     window: Window
     observables: tuple[Observable, ...] = ()

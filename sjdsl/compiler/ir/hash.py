@@ -84,8 +84,9 @@ HASHED: dict[type[ir.Node | ir.Type], str] = {
     ir.Add: "add target value",
     ir.Give: "give value receiver but",
     ir.Tally: "tally event word amount receiver",
-    ir.Send: "send who domain after facing stay order_stream=cell_stream heading_stream",
-    ir.Shift: "shift who to steps heading other quarters facing stream heading_stream",
+    ir.Send: "send who domain after facing way stay order_stream=cell_stream heading_stream",
+    ir.Shift: "shift who to steps heading other quarters facing way stream heading_stream",
+    ir.Face: "face who heading",
     ir.Remove: "remove who",
     ir.Move: "move domain course stream",
     ir.Wander: "wander goal away avoided stream",
@@ -123,9 +124,9 @@ HASHED: dict[type[ir.Node | ir.Type], str] = {
     ir.Paint: "paint colour sprite",
     ir.Look: "look what name kinds condition body badge",
     ir.ScriptedPolicy: "policy name rules",
-    ir.Act: "act condition action given",
-    ir.Go: "go domain avoided",
-    ir.Aim: "aim shape domain avoided action given",
+    ir.Act: "act on condition action given",
+    ir.Go: "go on condition domain avoided",
+    ir.Aim: "aim on condition shape domain avoided action given",
 }
 RULES = (
     "name",
@@ -147,7 +148,7 @@ RULES = (
     "events",
     "measures",
 )
-OPTIONAL = ("trials", "task")  # hashed if there are any
+OPTIONAL = ("trials", "task", "starting")  # hashed if there are any
 
 
 def game_hash(game: ir.Game) -> str:
@@ -184,7 +185,7 @@ def _rules(game: ir.Game) -> dict[str, Any]:
     return {
         "requires": _hashable(required),
         **{name: _hashable(getattr(game, name)) for name in RULES},
-        **{name: _hashable(part) for name in OPTIONAL if (part := getattr(game, name)) is not None},
+        **{name: _hashable(part) for name in OPTIONAL if (part := getattr(game, name))},
     }
 
 

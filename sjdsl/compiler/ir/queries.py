@@ -12,6 +12,7 @@ from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.ir.expressions import (
     Among,
     At,
+    Attribute,
     Compare,
     Count,
     Domain,
@@ -27,6 +28,7 @@ from sjdsl.compiler.ir.expressions import (
 )
 from sjdsl.compiler.ir.game import (
     ActionWithArguments,
+    Block,
     Event,
     Game,
     GlyphMeaning,
@@ -127,6 +129,11 @@ def written_keys(target: Expr) -> tuple[Expr, ...]:
 ATTRIBUTES = ("index", "heading", "moved", "away", "row", "col")
 
 
+def seen_heading(game: Game) -> Observable | None:
+    """Returns the heading of other agents as it is seen; None if it never is."""
+    return next((s for s in game.observables if s.what == "heading"), None)
+
+
 def shows_attribute(observable: Observable) -> bool:
     """Returns whether an observation shows what every agent has of itself, and not a field."""
     return observable.what in ("own", "other", "everyone") and observable.field in ATTRIBUTES
@@ -170,9 +177,15 @@ def counts_of(event: Event) -> tuple[tuple[str | None, str], ...]:
 
 
 def phases_of(game: Game) -> tuple[Phase, ...]:
-    """Returns the draw of the task if there is one, `start`, and the phases of the schedule."""
+    """Returns the draw of the task if there is one, those that begin, and those of the schedule."""
     drawn = () if game.task is None else (game.task.draw,)
-    return (*drawn, game.start, *(turn for turn in game.schedule if isinstance(turn, Phase)))
+    scheduled = (turn for turn in game.schedule if isinstance(turn, Phase))
+    return (*drawn, *beginning_phases(game), *scheduled)
+
+
+def beginning_phases(game: Game) -> tuple[Phase, ...]:
+    """Returns `start` and the phases at the start, in the order in which a trial begins."""
+    return (game.start, *game.starting)
 
 
 def task_space(task: Task) -> int:
@@ -212,6 +225,25 @@ def starts_of(game: Game, meaning: GlyphMeaning) -> dict[str, Start]:
 def blocks_always(kind: Kind, what: str = "agents") -> bool:
     """Returns whether cells of a kind always stop agents, or the lanes of the shape `what`."""
     return any(block.what == what and block.condition is None for block in kind.blocks)
+
+
+def closes_paths(block: Block) -> bool:
+    """Returns whether a block closes cells to the paths of policies where its condition holds.
+
+    The condition depends on who walks, and stays as it is on the way: it reads only fields of the
+    agent and its number.
+    """
+    if block.what != "agents" or block.condition is None:
+        return False
+    nodes = list(walk(block.condition))
+    named = [node for node in nodes if isinstance(node, Member) and node.name == "agent"]
+    owners = [
+        node.owner
+        for node in nodes
+        if isinstance(node, FieldRead) or (isinstance(node, Attribute) and node.name == "index")
+    ]
+    read = [owner for owner in owners if isinstance(owner, Member) and owner.name == "agent"]
+    return 0 < len(named) == len(read)
 
 
 def movers_named(game: Game, name: str) -> Movers:

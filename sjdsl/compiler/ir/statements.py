@@ -9,7 +9,7 @@ from sjdsl.compiler.ir.sorts import Level
 if TYPE_CHECKING:  # as `Expr` in expressions.py
     Stmt: TypeAlias = (
         "Let | Draw | Each | Pick | First | Match | When | Chance | Set | Add | Give | Tally | "
-        "Send | Shift | Remove | Move | Mark | End"
+        "Send | Shift | Face | Remove | Move | Mark | End"
     )
     Course: TypeAlias = "Wander | Along"
 else:
@@ -158,13 +158,15 @@ class Tally(Statement):
 class Send(Statement):
     """To a free cell of `domain`, at once or after n ticks.
 
-    All sends of one phase use with one `pool` share one order.
+    All sends of one phase use with one `pool` share one order. `way`: the heading to face, read
+    when it is sent, if that is not the word `facing`.
     """
 
     who: Expr
     domain: Domain
     after: Expr | None = None
     facing: Literal["north", "east", "south", "west", "same"] | None = None
+    way: Expr | None = None
     stay: bool = False
     pool: int
     cell_stream: int
@@ -177,7 +179,7 @@ class Shift(Statement):
     All shifts of one phase are settled together.
 
     The way: in the direction of the word `heading`, or toward the agent or cell `other`, turned by
-    so many `quarters` to the right.
+    so many `quarters` to the right. `way`: as in Send.
     """
 
     who: Expr
@@ -187,8 +189,16 @@ class Shift(Statement):
     other: Expr | None = None
     quarters: int = 0
     facing: Literal["north", "east", "south", "west", "same"] | None = None
+    way: Expr | None = None
     stream: int
     heading_stream: int | None = None
+
+
+class Face(Statement):
+    """Turns an agent: `set agent.heading = e`. (The heading of a mover is a field of it.)"""
+
+    who: Expr
+    heading: Expr
 
 
 class Remove(Statement):

@@ -16,7 +16,13 @@ from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.ir.names import attribute_name
-from sjdsl.compiler.ir.queries import all_fields, body_sorts, marking_phases, view_size
+from sjdsl.compiler.ir.queries import (
+    all_fields,
+    beginning_phases,
+    body_sorts,
+    marking_phases,
+    view_size,
+)
 from sjdsl.compiler.lower import expressions
 from sjdsl.compiler.lower.allowed_actions import NUM_ACTIONS, READING, allowed_actions
 from sjdsl.compiler.lower.assignments import fields_of_several_lots
@@ -105,7 +111,7 @@ def lower(game: ir.Game, source: str, sources: Mapping[str, Source] | None = Non
 def _program(game: ir.Game, source: str, module: Module) -> Program:
     """Returns the module of a game."""
     pools = all_pools(game)
-    start = _phase(game.start, pools[game.start.name], module)
+    starts = [_phase(phase, pools[phase.name], module) for phase in beginning_phases(game)]
     turns = _turns(pools, module)
     others = [allowed_actions(module), _measures(module), *_lengths(module), _observe(module)]
     w = Writer(module)
@@ -132,12 +138,12 @@ def _program(game: ir.Game, source: str, module: Module) -> Program:
     phases = dict.fromkeys(turn.function for turn in turns)
     beginning = [_reset(game, module)]
     if game.trials is not None:
-        started = _started("start", Name("laid"))
-        beginning.append(next_trial(game, game.trials, _laid(game, module), started, module))
+        laid = _laid(game, module)
+        beginning.append(next_trial(game, game.trials, laid, started, module))
     if game.task is not None:
         beginning.append(_phase(game.task.draw, (), module))
         beginning += functions_of_task(game.task, _drawn(game.task), module)
-    functions = (*constructors, *beginning, _step(turns, module), start, *phases, *others)
+    functions = (*constructors, *beginning, _step(turns, module), *starts, *phases, *others)
     constants, numbers = _used(functions, module)
     hash_ = game_hash(game)
     return Program(
@@ -238,10 +244,15 @@ def _constructor(name: str, class_: str, doc: str, fields: list[Field]) -> Funct
 
 
 def _reset(game: ir.Game, module: Module) -> Function:
+    w = Writer(module)
+    state = started(game.start, _laid(game, module))
+    for phase in game.starting:
+        w.set(STATE, state)
+        state = started(phase, STATE)
+    w.give_back(state)
     doc = "Returns the first state of an episode. `key`: two uint32 words."
     parameters = (("params", "Params"), ("key", "Array"))
-    state = _started("start", _laid(game, module))
-    return Function("reset", parameters, "State", doc, (Return((state,)),))
+    return Function("reset", parameters, "State", doc, live(w.body))
 
 
 def _laid(game: ir.Game, module: Module) -> Expression:
@@ -253,13 +264,13 @@ def _laid(game: ir.Game, module: Module) -> Expression:
 
 def _drawn(task: ir.Task) -> Expression:
     """Returns the state before `start`, with any task."""
-    return _started(task.draw.name, call("initial_state"))
+    return started(task.draw, call("initial_state"))
 
 
-def _started(phase: str, before: Expression) -> Expression:
+def started(phase: ir.Phase, before: Expression) -> Expression:
     """Returns the state in which a phase before the first step leaves another."""
     actions = call("jnp.full", Name("NUM_AGENTS"), STAY, DTYPES["i32"])
-    return call(phase, before, call("no_outcome"), PARAMS, actions, KEY)[0]
+    return call(phase.name, before, call("no_outcome"), PARAMS, actions, KEY)[0]
 
 
 def _step(turns: list[Turn], module: Module) -> Function:

@@ -9,6 +9,7 @@ from sjdsl.compiler.ir.queries import (
     can_be,
     kinds_by_glyph,
     marking_phases,
+    seen_heading,
     shown_field,
     shows_attribute,
 )
@@ -234,12 +235,21 @@ def seen_marks(game: ir.Game) -> tuple[ir.Phase, ...]:
     return marking_phases(game)
 
 
+def agent_labels(game: ir.Game) -> tuple[str, ...]:
+    """Returns the labels of the plane of agents; `other` is one whose heading is hidden."""
+    heading = seen_heading(game)
+    if heading is None:
+        return (*AGENT_LABELS[:OTHER_FACING], "other")
+    return AGENT_LABELS if heading.hidden_when is None else (*AGENT_LABELS, "other")
+
+
 def token_planes(game: ir.Game) -> tuple[TokenPlane, ...]:
     """Returns what each plane of a `tokens` observation means, in order."""
     content = content_labels(game)
+    agents = agent_labels(game)
     planes = [
         TokenPlane("content", "word", content, len(content) - 1),
-        TokenPlane("agent", "word", AGENT_LABELS, len(AGENT_LABELS) - 1),
+        TokenPlane("agent", "word", agents, len(agents) - 1),
     ]
     marking = seen_marks(game)
     if marking:

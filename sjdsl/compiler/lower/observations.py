@@ -4,7 +4,7 @@ from dataclasses import replace
 from math import prod
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import shown_field, shows_attribute, view_size
+from sjdsl.compiler.ir.queries import seen_heading, shown_field, shows_attribute, view_size
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
@@ -21,7 +21,9 @@ from sjdsl.compiler.lower.axes import (
 )
 from sjdsl.compiler.lower.cell_appearance import (
     COVERED,
+    OTHER_FACING,
     Look,
+    agent_labels,
     content_labels,
     looks,
     relative_heading,
@@ -141,7 +143,9 @@ def _observer_scope(axes: Axes) -> IterationScope:
 def observe(w: Writer) -> Expression:
     """Writes the statements of `observe`; returns the observation."""
     game = w.module.game
-    by_id = any(s.what == "other" for s in game.observables)
+    heading = seen_heading(game)
+    is_sometimes_hidden = heading is not None and heading.hidden_when is not None
+    by_id = is_sometimes_hidden or any(s.what == "other" for s in game.observables)
     parts = parts_of(game, by_id)
     painted = paint_planes(parts, by_id, w)
     num_cells = prod(view_size(game))
@@ -351,6 +355,9 @@ def _agents(agent: Value, axes: Axes, by_id: bool, w: Writer) -> list[Value]:
     somebody = agent.ne(0).node
     if w.module.layout.shows_cells_twice:  # the observer's own cell is seen only inside its window
         is_self = is_self & somebody
+    heading = seen_heading(w.module.game)
+    if not by_id and heading is None:
+        return [_agent_plane(is_self, somebody, Literal(OTHER_FACING), axes, w)]
     if not by_id:
         observers = Cast(HEADING, "u8")[:, None]
         difference = agent.node - 1 - observers
@@ -358,16 +365,28 @@ def _agents(agent: Value, axes: Axes, by_id: bool, w: Writer) -> list[Value]:
         return [_agent_plane(is_self, somebody, other, axes, w)]
     standing = _standing(agent, "who", AGENTS, w)
     place = _observer_scope(axes).binding("other", standing)
-    observers = HEADING[:, None]
-    difference = HEADING[standing.index.node] - observers
-    other = Cast(relative_heading(difference), "u8")
-    columns = [_agent_plane(is_self, somebody, other, axes, w)]
+    others = Literal(OTHER_FACING) if heading is None else _headings(heading, standing, place, w)
+    columns = [_agent_plane(is_self, somebody, others, axes, w)]
     is_other = somebody & ~is_self
     theirs = w.keep("theirs", Value(is_other, "bool", axes))
     for observable in _shown_of("other", w):
         value = _one_up(observable, _field_observable(observable, standing, place, w))
         columns.append(_visible(observable, value, place, w, theirs))
     return columns
+
+
+def _headings(
+    heading: ir.Observable, standing: AgentVar, place: IterationScope, w: Writer
+) -> Expression:
+    """Returns the numbers of others by their headings, or of others whose heading is hidden."""
+    observers = HEADING[:, None]
+    difference = HEADING[standing.index.node] - observers
+    numbers = Cast(relative_heading(difference), "u8")
+    if heading.hidden_when is None:
+        return numbers
+    faceless = len(agent_labels(w.module.game)) - 1
+    is_hidden = _condition(heading.hidden_when, place, w)
+    return select(is_hidden, faceless, Value(numbers, "u8", place.axes)).node
 
 
 def _shown_of(what: str, w: Writer) -> list[ir.Observable]:

@@ -4,7 +4,10 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_of
 from sjdsl.compiler.lower.axes import (
     Value,
+    as_dtype,
     axes_of,
+    literal,
+    looked_up,
     reduce,
     select,
     spread,
@@ -20,6 +23,7 @@ from sjdsl.compiler.program.expressions import (
     Literal,
     Part,
     Where,
+    as_array,
     call,
     constant,
     scalar,
@@ -62,6 +66,32 @@ def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> Expre
     return value.node if value.axes else call("jnp.full", extent, value.node)
 
 
+def way_of_each(
+    e: ir.Expr, way: ir.Expr | None, scope: IterationScope, w: Writer
+) -> Expression | None:
+    """Returns the heading that a statement gives each agent or mover it reaches, `[N]` int32."""
+    if way is None:
+        return None
+    return w.keep_node("way", of_each(e, written_heading(way, 0, scope, w), scope, w), "i32")
+
+
+def written_heading(heading: ir.Expr, quarters: int, scope: IterationScope, w: Writer) -> Value:
+    """Returns a heading turned by so many quarters to the right, as a number from 0 to 3."""
+    numbers = [HEADINGS.index(word) for word in heading.type.words]
+    value = w.value(heading, scope)
+    if value.literal:
+        return literal((numbers[int(value.number)] + quarters) % 4, "i32")
+    if numbers == list(range(len(HEADINGS))):
+        return turned(as_dtype(value, "i32"), quarters)
+    table = as_array([(n + quarters) % 4 for n in numbers], "i32")
+    return looked_up(table, value, "i32")
+
+
+def turned(heading: Value, quarters: int) -> Value:
+    """Returns a heading turned by so many quarters to the right."""
+    return (heading + quarters) & 3 if quarters else heading
+
+
 def put(name: str, sort: ir.Sort, who: Expression, value: Part, w: Writer) -> None:
     """Writes a new value of an attribute for some agents, or some movers of a name.
 
@@ -71,16 +101,26 @@ def put(name: str, sort: ir.Sort, who: Expression, value: Part, w: Writer) -> No
     w.assign(attribute, Where(who, constant(value), w.current(attribute)))
 
 
-def turn(sort: ir.Sort, who: Expression, facing: str | None, stream: int | None, w: Writer) -> None:
+def turn(
+    sort: ir.Sort,
+    who: Expression,
+    facing: str | None,
+    way: Expression | None,
+    stream: int | None,
+    w: Writer,
+) -> None:
     """Turns some agents or movers: north, east, ..., to any heading (None), or not at all ("same").
 
-    The heading of a mover is a field of words, and so a byte.
+    way: the heading of each, `[N]` int32, instead of `facing`. The heading of a mover is a field of
+    words, and so a byte.
     """
     if facing == "same":
         return
     is_byte = sort.what == "mover"
     heading: Expression
-    if facing is None:
+    if way is not None:
+        heading = Cast(way, "u8") if is_byte else way
+    elif facing is None:
         assert stream is not None
         bits = bits_of_each(stream, sort, w)
         heading = call("below", bits, 4)

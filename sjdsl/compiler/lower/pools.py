@@ -4,7 +4,7 @@ from typing import TypeAlias
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
-from sjdsl.compiler.ir.queries import body_sort
+from sjdsl.compiler.ir.queries import beginning_phases, body_sort
 from sjdsl.compiler.lower.writer import Module
 
 
@@ -32,7 +32,7 @@ def all_pools(game: ir.Game) -> Pools:
     """Returns the pools of every phase, numbered through the game."""
     pools: Pools = {}
     number = 0
-    for phase in (game.start, *game.schedule):
+    for phase in (*beginning_phases(game), *game.schedule):
         if not isinstance(phase, ir.Phase):
             continue
         of_phase: dict[int, Pool] = {}

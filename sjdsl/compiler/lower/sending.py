@@ -22,7 +22,7 @@ from sjdsl.compiler.lower.axes import (
 from sjdsl.compiler.lower.draws import bits_of_each
 from sjdsl.compiler.lower.expressions import agent
 from sjdsl.compiler.lower.free_cells import fitting_cells, free_cells
-from sjdsl.compiler.lower.per_agent import of_each, per_agent, put, turn
+from sjdsl.compiler.lower.per_agent import of_each, per_agent, put, turn, way_of_each
 from sjdsl.compiler.lower.pools import Pool, sends_of
 from sjdsl.compiler.lower.scope import IterationScope
 from sjdsl.compiler.lower.shifting import Shifted, settle, shifted
@@ -42,21 +42,24 @@ from sjdsl.runtime.actions import ANY_HEADING, HEADINGS, SAME_HEADING
 class Sent(Record):
     """Who is sent at once by one statement, `[N]` bool.
 
-    fitting: which cells fit each agent, `[N, S]` bool; None where the same fit all.
+    fitting: which cells fit each agent, `[N, S]` bool; None where the same fit all. way: the
+    heading of each, `[N]` int32, if the statement computes it.
     """
 
     send: ir.Send
     who: Expression
     fitting: Expression | None
+    way: Expression | None
 
 
 class Leaving(Record):
-    """Who goes away by one statement, and for how many ticks."""
+    """Who goes away by one statement, for how many ticks; way: as in Sent."""
 
     pool: Pool
     send: ir.Send
     who: Expression
     delays: Expression
+    way: Expression | None
 
 
 @dataclass
@@ -74,17 +77,18 @@ class Sends:
         sent = per_agent("sent", s.who, scope, w)
         pool = next(p for p in self.pools if p.send.pool == s.pool)
         at_once = self.now.setdefault(pool.number, [])
+        way = way_of_each(s.who, s.way, scope, w)
         if s.after is None:
-            at_once.append(Sent(s, sent, _fitting(s, scope, w)))
+            at_once.append(Sent(s, sent, _fitting(s, scope, w), way))
             return
         can_be_at_once = s.after.type.low <= 0
         fitting = _fitting(s, scope, w) if can_be_at_once else None
         delays = _delays(s, as_dtype(w.value(s.after, scope), "i32"), scope, w)
         if can_be_at_once:
             stays = w.keep_node("at_once", sent & delays.eq(0), "bool")
-            at_once.append(Sent(s, stays, fitting))
+            at_once.append(Sent(s, stays, fitting, way))
             sent = w.keep_node("leaving", sent & (delays > 0), "bool")
-        self.away.append(Leaving(pool, s, sent, delays))
+        self.away.append(Leaving(pool, s, sent, delays, way))
 
     def shift(self, s: ir.Shift, scope: IterationScope, w: Writer) -> None:
         """Notes who is sent some cells away, and where to."""
@@ -145,7 +149,8 @@ def finish(sends: Sends, w: Writer) -> None:
         put("position", sort, leaving.who, state_reads.nowhere(w).node, w)
         put("away", sort, leaving.who, leaving.delays, w)
         put("away_pool", sort, leaving.who, leaving.pool.number, w)
-        put("away_facing", sort, leaving.who, _facing(leaving.send, w), w)
+        facing = _facing(leaving.send, w) if leaving.way is None else leaving.way
+        put("away_facing", sort, leaving.who, facing, w)
     w.origin = None
     for sort, removed in sends.removed:
         put("position", sort, removed, state_reads.nowhere(w).node, w)
@@ -178,7 +183,7 @@ def _place_pool(pool: Pool, sends: Sends, entered: list[tuple[Pool, Name]], w: W
     placed = place(pool, sent, leaving, _fitting_of_all(parts), w, entered)
     for part in parts:
         who = placed if len(parts) == 1 else part.who & placed
-        turn(pool.sort, who, part.send.facing, pool.send.heading_stream, w)
+        turn(pool.sort, who, part.send.facing, part.way, pool.send.heading_stream, w)
     if w.module.stores_away(pool.sort):
         put("away", pool.sort, placed, 0, w)
     return placed

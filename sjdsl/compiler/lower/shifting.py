@@ -31,7 +31,14 @@ from sjdsl.compiler.lower.domains import (
 )
 from sjdsl.compiler.lower.draws import bits_of_each
 from sjdsl.compiler.lower.expressions import agent, owner
-from sjdsl.compiler.lower.per_agent import of_each, per_agent, turn
+from sjdsl.compiler.lower.per_agent import (
+    of_each,
+    per_agent,
+    turn,
+    turned,
+    way_of_each,
+    written_heading,
+)
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
@@ -43,7 +50,7 @@ from sjdsl.compiler.program.expressions import (
     reduction,
     zeros,
 )
-from sjdsl.runtime.actions import DIRECTIONS, HEADINGS
+from sjdsl.runtime.actions import DIRECTIONS
 
 
 class _Course(Record):
@@ -57,12 +64,14 @@ class _Course(Record):
 class Shifted(Record):
     """Who is sent by one statement, `[N]` bool, and where, `[N]` int32 cells of the frame.
 
-    An agent whose way isn't free is sent to its own cell.
+    An agent whose way isn't free is sent to its own cell. way: the heading of each, `[N]` int32, if
+    the statement computes it.
     """
 
     statement: ir.Shift
     who: Expression
     target: Expression
+    way: Expression | None
 
 
 def shifted(s: ir.Shift, scope: IterationScope, w: Writer) -> Shifted:
@@ -81,7 +90,8 @@ def shifted(s: ir.Shift, scope: IterationScope, w: Writer) -> Shifted:
         goes = (steps > 0) & has_heading & _is_free(s.steps.type, who, course, steps, w)
         goal = w.keep("goal", _cells_on(course, steps, w))
     target = w.keep("target", select(goes, goal, position))
-    return Shifted(s, sent, w.keep_node("target", of_each(s.who, target, scope, w), "i32"))
+    targets = w.keep_node("target", of_each(s.who, target, scope, w), "i32")
+    return Shifted(s, sent, targets, way_of_each(s.who, s.way, scope, w))
 
 
 def _stride(heading: Value, w: Writer) -> Value:
@@ -106,23 +116,11 @@ def _heading(
 ) -> tuple[Value, Value]:
     """Returns in which direction an agent is sent, 0 to 3, and whether there is such a one."""
     if s.heading is not None:
-        return _written_heading(s.heading, s.quarters, scope, w), TRUE
+        return written_heading(s.heading, s.quarters, scope, w), TRUE
     assert s.other is not None
     goal = state_reads.location(owner(s.other, scope, w), w)
     heading, is_apart = _toward(goal, who, position, w)
-    return _turned(heading, s.quarters), is_apart
-
-
-def _written_heading(heading: ir.Expr, quarters: int, scope: IterationScope, w: Writer) -> Value:
-    """Returns a heading turned by so many quarters to the right, as a number from 0 to 3."""
-    numbers = [HEADINGS.index(word) for word in heading.type.words]
-    value = w.value(heading, scope)
-    if value.literal:
-        return literal((numbers[int(value.number)] + quarters) % 4, "i32")
-    if numbers == list(range(len(HEADINGS))):
-        return _turned(as_dtype(value, "i32"), quarters)
-    table = as_array([(n + quarters) % 4 for n in numbers], "i32")
-    return looked_up(table, value, "i32")
+    return turned(heading, s.quarters), is_apart
 
 
 def _toward(goal: Value, who: AgentVar, position: Value, w: Writer) -> tuple[Value, Value]:
@@ -159,10 +157,6 @@ def _toward(goal: Value, who: AgentVar, position: Value, w: Writer) -> tuple[Val
 def _is_half(distance: Value, length: int) -> Value:
     """Returns whether a distance is half of what goes round the map."""
     return (literal(2, "i32") * distance).eq(length)
-
-
-def _turned(heading: Value, quarters: int) -> Value:
-    return (heading + quarters) & 3 if quarters else heading
 
 
 def _is_free(number_of: ir.Type, who: AgentVar, course: _Course, steps: Value, w: Writer) -> Value:
@@ -237,4 +231,4 @@ def _settle_sort(sort: ir.Sort, moves: list[Shifted], w: Writer) -> None:
     has_moved = w.current(position).ne(before)
     for move in moves:
         s = move.statement
-        turn(sort, move.who & has_moved, s.facing, s.heading_stream, w)
+        turn(sort, move.who & has_moved, s.facing, move.way, s.heading_stream, w)

@@ -5,6 +5,7 @@ from typing import assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import shape_named
+from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.lower.assignments import add, set_
 from sjdsl.compiler.lower.axes import FALSE, TRUE, joined, reduce, select, without
 from sjdsl.compiler.lower.condition_names import condition_name, domain_name
@@ -12,6 +13,7 @@ from sjdsl.compiler.lower.domains import enter, is_empty, sweep
 from sjdsl.compiler.lower.draws import chances, draw
 from sjdsl.compiler.lower.matching import match_
 from sjdsl.compiler.lower.movement import move, move_on_course, nobody_moves
+from sjdsl.compiler.lower.per_agent import per_agent, turn, way_of_each
 from sjdsl.compiler.lower.rewards_and_events import give, tally
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
 from sjdsl.compiler.lower.selection import nearest, pick
@@ -75,6 +77,9 @@ def statement(s: ir.Stmt, scope: IterationScope, w: Writer, sends: Sends) -> Non
             sends.add(s, scope, w)
         case ir.Shift():
             sends.shift(s, scope, w)
+        case ir.Face():
+            who = per_agent("turned", s.who, scope, w)
+            turn(AGENTS, who, None, way_of_each(s.who, s.heading, scope, w), None, w)
         case ir.Remove():
             sends.remove(s, scope, w)
         case ir.Move() if is_empty(s.domain, w):

@@ -1,8 +1,10 @@
 """Lowers trials: the function that begins one with the fields that the trial before leaves it."""
 
+from collections.abc import Callable
+
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name
-from sjdsl.compiler.ir.queries import all_fields, written_field
+from sjdsl.compiler.ir.queries import all_fields, beginning_phases, written_field
 from sjdsl.compiler.lower.writer import Module, Writer, replaced
 from sjdsl.compiler.program import Function
 from sjdsl.compiler.program.expressions import Expression, Name, Where, live, path
@@ -12,12 +14,16 @@ TRIAL = "world_trial"  # the attribute of State that counts the trials
 
 
 def next_trial(
-    game: ir.Game, trials: ir.Trials, laid: Expression, start: Expression, module: Module
+    game: ir.Game,
+    trials: ir.Trials,
+    laid: Expression,
+    started: Callable[[ir.Phase, Expression], Expression],
+    module: Module,
 ) -> Function:
     """Returns the function `next_trial`.
 
-    laid: the state before `start` at the beginning of an episode. start: the state in which `start`
-    leaves the state `laid`.
+    laid: the state before `start` at the beginning of an episode. started: returns the state in
+    which a phase of the beginning leaves another.
     """
     w = Writer(module)
     w.set(Name("laid"), laid)
@@ -25,16 +31,19 @@ def next_trial(
     kept = {attribute: path(f"state.{attribute}") for attribute in attributes}
     counted = path(f"state.{TRIAL}") + 1
     w.set(Name("laid"), replaced("laid", _unless_last("laid", {TRIAL: counted, **kept})))
-    w.set(Name("begun"), start)
-    written = _attributes_written_by(game.start)
-    lost = {
-        attribute: path(f"laid.{attribute}") for attribute in attributes if attribute in written
-    }
-    w.give_back(replaced("begun", _unless_last("begun", lost)))
+    state: Expression = Name("laid")
+    for phase in beginning_phases(game):
+        w.set(Name("begun"), started(phase, state))
+        written = _attributes_written_by(phase)
+        lost = {
+            attribute: path(f"laid.{attribute}") for attribute in attributes if attribute in written
+        }
+        state = replaced("begun", _unless_last("begun", lost))
+    w.give_back(state)
     doc = (
         "Returns the first state of the next trial; if `is_last`, of the next episode.\n\n"
         "A trial begins as an episode does, but for the fields that are kept: "
-        "what `start` writes to them is lost."
+        f"what {'its first phases write' if game.starting else '`start` writes'} to them is lost."
     )
     return Function("next_trial", BEGINNING, "State", doc, live(w.body))
 

@@ -134,9 +134,22 @@ def policy(span: Span, first: Any, *rest: Any) -> ast.Policy:
             return ast.Policy(span, first, (), None)
 
 
+def guard(span: Span, *items: Any) -> ast.Guard:
+    (first, *_), clauses = split(items)
+    if isinstance(first, ast.On):
+        return ast.Guard(span, first, clauses.get("where"))
+    return ast.Guard(span, None, first)
+
+
+def go(span: Span, *items: Any) -> ast.Go:
+    (*guards, domain), clauses = split(items)
+    return ast.Go(span, guards[0] if guards else None, domain, clauses.get("avoiding"))
+
+
 def aim(span: Span, *items: Any) -> ast.Aim:
-    (shape, domain, action), clauses = split(items)
-    return ast.Aim(span, shape_ref(shape), domain, clauses.get("avoiding"), action)
+    (*guards, shape, domain, action), clauses = split(items)
+    by = guards[0] if guards else None
+    return ast.Aim(span, by, shape_ref(shape), domain, clauses.get("avoiding"), action)
 
 
 def task_field(span: Span, name: ast.Name, *items: Any) -> ast.TaskField:
@@ -251,7 +264,7 @@ RULES: dict[str, Build] = {kind.__name__.lower(): node(kind) for kind in PLAIN} 
     "define": node(ast.Define, parameters="names"),
     "trials": lambda span, steps, *kept: ast.Trials(span, steps, kept[0] if kept else ()),
     "keep": lambda _, *paths: paths,
-    "phase": node(ast.Phase, parameters="names"),
+    "phase": node(ast.Phase, parameters="names", at="moment"),
     "draw": draw,
     "task_field": task_field,
     "train_on": node(ast.TrainOn),
@@ -289,7 +302,8 @@ RULES: dict[str, Build] = {kind.__name__.lower(): node(kind) for kind in PLAIN} 
     ),
     "policy": policy,
     "scripted": node(ast.ScriptedPolicy, "title"),
-    "go": node(ast.Go, avoided="avoiding"),
+    "guard": guard,
+    "go": go,
     "aim": aim,
     "scenario": node(ast.Scenario, "title"),
     "expr": binary("or"),

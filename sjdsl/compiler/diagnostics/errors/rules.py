@@ -148,8 +148,15 @@ class ForbidReads(Diagnostic, code="SJ507", title="What `forbid` may read"):
 
 class NoPlaceYet(Diagnostic, code="SJ508", title="No place yet"):
     says = "in `phase start` no agent has a place yet, so `{expression}` means nothing"
-    hints = ("do it in a phase of the schedule, at `step == 0`",)
+    hints = ("do it in a phase that follows it: `phase NAME at start {{ … }}`",)
     expression: str
+
+
+class NotBeforeSteps(Diagnostic, code="SJ518", title="Nothing before the first step"):
+    says = "{what} in `phase {name}`, with which an episode begins: there is no step yet"
+    hints = ("do it in a phase of the schedule, at `step == 0`",)
+    what: str
+    name: str
 
 
 class NoPlaceWhenBack(NoPlaceYet):
