@@ -18,6 +18,7 @@ from sjdsl.interpreter.numbers import real
 from sjdsl.library.checked_game import build_game
 from sjdsl.library.games_folder import is_name
 from sjdsl.library.parameters import param_values
+from sjdsl.library.tasks import MAX_PROBLEM, Tasks
 
 if TYPE_CHECKING:
     from sjdsl.compiler import ir
@@ -28,20 +29,29 @@ Command = Callable[..., Any]
 
 @dataclass(frozen=True)
 class EnvironmentOptions:
-    """The values of --variant, --map, --agents and --param: the arguments of `sjdsl.make` other
-    than the game."""
+    """The values of --variant, --map, --agents, --param, --tasks, --split and --problem: the
+    arguments of `sjdsl.make` other than the game."""
 
     variant: str | None = None
     map: str | None = None  # a file
     num_agents: int | None = None
     params: Mapping[str, Any] = field(default_factory=dict)
+    tasks: Tasks | None = None
+    split: str | None = None
+    problem: int | None = None
+
+    @property
+    def of_tasks(self) -> dict[str, Any]:
+        """The arguments that say which tasks are played, without those that have no value."""
+        arguments = {"tasks": self.tasks, "split": self.split, "problem": self.problem}
+        return {name: value for name, value in arguments.items() if value is not None}
 
     @property
     def names(self) -> list[str]:
         """The names of the arguments that have a value; a parameter of the game is `param.X`."""
         arguments = ("variant", "map", "num_agents")
         names = [name for name in arguments if getattr(self, name) is not None]
-        return names + [f"param.{name}" for name in self.params]
+        return [*names, *(f"param.{name}" for name in self.params), *self.of_tasks]
 
     def describe(self, game: str) -> dict[str, Any]:
         """Returns the arguments of `make_environment` as JSON values, with absolute paths."""
@@ -52,6 +62,7 @@ class EnvironmentOptions:
             "map": None if self.map is None else str(Path(self.map).resolve()),
             "num_agents": self.num_agents,
             "params": dict(self.params),
+            **self.of_tasks,
         }
 
     def read(self, game: str) -> tuple[Build, dict[str, Any]]:
@@ -61,7 +72,12 @@ class EnvironmentOptions:
         """
         try:
             built, run_time_params = build_game(
-                game_path(game), self.variant, self.num_agents, self.params, self.map
+                game_path(game),
+                self.variant,
+                self.num_agents,
+                self.params,
+                self.map,
+                **self.of_tasks,
             )
         except FileNotFoundError as error:
             raise click.ClickException(str(error)) from None
@@ -101,7 +117,7 @@ class EnvironmentOptions:
 
 
 def environment_options(command: Command) -> Command:
-    """Adds --variant, --map, --agents and --param; the command gets them together as `options`."""
+    """Adds the options of an environment; the command gets them together as `options`."""
 
     @functools.wraps(command)
     def with_options(
@@ -110,9 +126,14 @@ def environment_options(command: Command) -> Command:
         map_file: str | None,
         agents: int | None,
         params: tuple[str, ...],
+        tasks: tuple[str, ...],
+        split: str | None,
+        problem: int | None,
         **others: Any,
     ) -> Any:
-        options = EnvironmentOptions(variant, map_file, agents, read_assignments(params))
+        numbers = read_assignments(params)
+        played = read_tasks(tasks)
+        options = EnvironmentOptions(variant, map_file, agents, numbers, played, split, problem)
         return command(options=options, **others)
 
     agents_option = click.option(
@@ -125,7 +146,38 @@ def environment_options(command: Command) -> Command:
         metavar="NAME=VALUE",
         help="A number of the game: apple=2, regrow[red]=0.1.",
     )
-    return variant_option(map_option(agents_option(param_option(with_options))))
+    problem_option = click.option(
+        "--problem",
+        type=click.IntRange(0, MAX_PROBLEM),
+        metavar="N",
+        help="Play one task, which number N gives; --seed draws all else.",
+    )
+    split_option = click.option(
+        "--split", metavar="NAME", help="Which tasks are held out, if the game has several splits."
+    )
+    tasks_option = click.option(
+        "--tasks",
+        multiple=True,
+        metavar="SIDE|FIELD=VALUE",
+        help="The tasks to play: training, held_out, all, or fields of them: hue=red, pay[red]=3.",
+    )
+    of_tasks = tasks_option(split_option(problem_option(with_options)))
+    return variant_option(map_option(agents_option(param_option(of_tasks))))
+
+
+def read_tasks(texts: tuple[str, ...]) -> Tasks | None:
+    """Returns the argument `tasks` of `sjdsl.make` from the texts of --tasks."""
+    if not texts:
+        return None
+    sides = [text.strip() for text in texts if "=" not in text]
+    if not sides:
+        return read_assignments(texts)
+    if len(texts) > 1:
+        raise click.UsageError(
+            "--tasks is one side (training, held_out, all), or fields with values: "
+            f"not {', '.join(texts)}"
+        )
+    return sides[0]
 
 
 def written_options(*allowed: str) -> list[str]:

@@ -2,7 +2,9 @@
 focal agents among scripted ones."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,7 +24,7 @@ from sjdsl.cli.policies import check_policy, code_option, warnings_as_notes
 from sjdsl.cli.provenance import arguments_of_run
 from sjdsl.cli.scenarios import OR_A_GAME, evaluate_in_scenarios
 from sjdsl.cli.stages import LOADING, stages
-from sjdsl.trainers.policies.stored_evaluation import read_evaluation
+from sjdsl.trainers.policies.stored_evaluation import RETURN, read_evaluation
 from sjdsl.trainers.runs.seeds_in_words import seeds_in_words, seeds_of_each
 from sjdsl.trainers.settings.policy_names import UNTRAINED, split_name
 
@@ -32,7 +34,10 @@ if TYPE_CHECKING:
     from sjdsl.trainers import Estimate, Evaluation
 
 # Parameters that are allowed without --game.
-WITHOUT_GAME = ("run", "episodes", "seed", "greedy", "film", "scenario", "allow_code")
+WITHOUT_GAME = (
+    "run", "episodes", "seed", "greedy", "film", "scenario", "allow_code", "tasks", "split",
+    "problem",
+)  # fmt: skip
 STORED = ".safetensors"
 
 
@@ -99,14 +104,16 @@ def command(
         path, which = split_name(run)
         arguments = arguments_of_run(path, OR_A_GAME, game, options.map)
         with stages(LOADING), without_quoting_game(path):
-            env = make_environment(arguments)
+            env = make_environment({**arguments, **_of_one_side(options)})
         folders = sorted(path.glob("seed_*")) or [path]
         for folder in folders:
             require_writable(folder)
         for note in notes_on_training(path, which):
             click.echo(f"note: {note}", err=True)
-        for folder in folders:
-            evaluate_run(folder, env, episodes, seed, greedy, which)
+        results = [
+            evaluate_run(folder, env, episodes, seed, greedy, which, options) for folder in folders
+        ]
+        _print_over_seeds(results)
         list_files(path)
         policy = stored_policy(folders[0], env, greedy, which) if film is not None else None
     if film is not None:
@@ -164,18 +171,25 @@ def evaluate_run(
     seed: int,
     greedy: bool | None = None,
     which: str | int = "last",
-) -> None:
+    options: EnvironmentOptions | None = None,
+) -> dict[str, "Estimate"]:
     """Prints the returns of a trained and of a random policy with their intervals.
 
     Stores those of the trained one in the run's folder, unless there is an evaluation of the same
-    policy in more episodes already.
+    policy in more episodes already, or the user has chosen the tasks. Returns the differences to
+    held-out tasks by split.
     """
     from sjdsl.trainers import save_evaluation
     from sjdsl.trainers.policies.policy_file import policy_path, update_of
 
     file = path / ("evaluation.json" if which == "last" else f"evaluation_{which}.json")
 
-    def save(evaluation: "Evaluation") -> None:
+    options = options or EnvironmentOptions()
+
+    def save(evaluation: "Evaluation", of_splits: Mapping[str, Any]) -> None:
+        if _of_one_side(options):
+            click.echo(f"{file} is of the tasks of the run, and stays as it is", err=True)
+            return
         update = update_of(policy_path(path, which))
         stored = read_evaluation(file)
         if stored is not None and stored.episodes > episodes and stored.update == update:
@@ -185,13 +199,14 @@ def evaluate_run(
                 err=True,
             )
             return
-        about = {"policy": which, "update": update, "seed": seed, "greedy": greedy}
+        about = {"policy": which, "update": update, "seed": seed, "greedy": greedy, **of_splits}
         save_evaluation(evaluation, file, about)
 
     titles = {"last": "", "best": ", the best policy"}
     title = titles.get(str(which), f", the policy of update {which}")
-    policy = stored_policy(path, env, greedy, which)
-    _compare(env, "trained", policy, episodes, seed, save, title)
+    policy = partial(stored_policy, path, greedy=greedy, which=which)
+    held_out = _held_out(env, options)
+    return _compare(env, "trained", policy, episodes, seed, save, title, held_out)
 
 
 def _evaluate_policy(
@@ -207,21 +222,27 @@ def _evaluate_policy(
 
     Returns the environment and the policy.
     """
-    _check_policy(policy, options.check(game), greedy, output)
+    of_game = replace(options, split=_of_one_side(options).get("split"))
+    _check_policy(policy, of_game.check(game), greedy, output)
     with stages(LOADING):
-        env = options.make(game)
+        env = of_game.make(game)
         from sjdsl.experiments import find_pool
         from sjdsl.trainers import find_policy, save_evaluation
         from sjdsl.trainers.runs.run_folder import describe_game
 
         with warnings_as_notes():
             (player,) = find_pool(policy, env).players  # refuses a policy of another game
-            if greedy is None:
-                act = player.policy_of(player.parameters)
-            else:
+            act = player.policy_of(player.parameters)
+            if greedy is not None:
                 act = find_policy(policy, env, greedy)
 
-    def save(evaluation: "Evaluation") -> None:
+    def policy_for(played: "Environment") -> Any:
+        if played is env:
+            return act
+        with warnings_as_notes():
+            return find_policy(policy, played, greedy)
+
+    def save(evaluation: "Evaluation", of_splits: Mapping[str, Any]) -> None:
         if output is not None:
             about = {
                 "policy": policy,
@@ -229,10 +250,12 @@ def _evaluate_policy(
                 "game": describe_game(env),
                 "seed": seed,
                 "greedy": greedy,
+                **of_splits,
             }
             save_evaluation(evaluation, output, about)
 
-    _compare(env, policy, act, episodes, seed, save)
+    held_out = _held_out(env, options)
+    _compare(env, policy, policy_for, episodes, seed, save, held_out=held_out)
     if output is not None:
         click.echo(f"\n{output}")
     return env, act
@@ -254,29 +277,78 @@ def _check_policy(policy: str, game: "ir.Game", greedy: bool | None, output: str
         require_folder_of(Path(output))
 
 
+def _of_one_side(options: EnvironmentOptions) -> dict[str, Any]:
+    """Returns the tasks that the user has chosen, which alone are played; without them, training
+    and held-out tasks are compared."""
+    if options.tasks is None and options.problem is None:
+        return {}
+    return options.of_tasks
+
+
+def _held_out(env: "Environment", options: EnvironmentOptions) -> dict[str, "Environment"]:
+    """Returns the environments of the held-out tasks to compare with, by split."""
+    from sjdsl.library.factory import with_other_tasks
+    from sjdsl.library.tasks import splits_of
+
+    if _of_one_side(options) or env.tasks != "training":
+        if options.split is not None and not _of_one_side(options):
+            raise click.UsageError("--split is for a game whose task has several splits")
+        return {}
+    splits = splits_of(env.game.task) if options.split is None else (options.split,)
+    try:
+        return {split: with_other_tasks(env, "held_out", split) for split in splits}
+    except ValueError as error:
+        raise click.ClickException(str(error)) from None
+
+
 def _compare(
     env: "Environment",
     name: str,
-    policy: Any,
+    policy_for: Callable[["Environment"], Any],
     episodes: int,
     seed: int,
-    save: Callable[["Evaluation"], None],
+    save: Callable[["Evaluation", Mapping[str, Any]], None],
     title: str = "",
-) -> None:
+    held_out: Mapping[str, "Environment"] | None = None,
+) -> dict[str, "Estimate"]:
     """Plays episodes with a policy and the same episodes with a random one; prints a table of both.
 
-    `title` follows the game's name in the title of the table.
+    Args:
+      policy_for: returns the policy in an environment.
+      save: stores what the policy earns, and what it earns in held-out tasks.
+      title: follows the game's name in the title of the table.
+      held_out: environments with held-out tasks by split, which are compared with `env`.
+
+    Returns the differences of the returns in `env` and in those.
     """
     from sjdsl.experiments.summaries import in_columns
     from sjdsl.trainers import evaluate, random_policy, summarise
+    from sjdsl.trainers.policies.estimates import difference
     from sjdsl.trainers.policies.evaluation import evaluation_key
 
     key = evaluation_key(seed)
     whose = "the trained policy" if name == "trained" else name
+    differences: dict[str, Estimate] = {}
+    sides = [("tasks", "collective return", "training minus these")]
+    of_splits = {}
     with stages(f"compiling and playing {episodes} episodes of {whose}") as say:
-        evaluation = evaluate(env, policy, key, episodes)
-        save(evaluation)
+        evaluation = evaluate(env, policy_for(env), key, episodes)
+        returns_of_training = evaluation.collective_returns
         columns = {name: summarise(evaluation)}
+        sides.append(("training", _interval(columns[name][RETURN]), ""))
+        for split, other in (held_out or {}).items():
+            say(f"compiling and playing {episodes} episodes of held-out tasks, {split}")
+            of_split = evaluate(other, policy_for(other), key, episodes)
+            figures = summarise(of_split)
+            difference_ = difference(returns_of_training, of_split.collective_returns)
+            differences[split] = difference_
+            side = f"held out, {split}"
+            sides.append((side, _interval(figures[RETURN]), _interval(difference_)))
+            of_splits[split] = {
+                "summary": {figure: asdict(value) for figure, value in figures.items()},
+                "training_minus_held_out": asdict(difference_),
+            }
+        save(evaluation, {"held_out": of_splits} if of_splits else {})
         if name != "random":
             say(f"compiling and playing {episodes} episodes of a random policy")
             columns["random"] = summarise(evaluate(env, random_policy(env), key, episodes))
@@ -289,9 +361,28 @@ def _compare(
         f"\n{env.title or env.name}{title}: means of {episodes} episodes with their "
         f"95 % confidence intervals\n{in_columns(rows)}"
     )
-    returns = [_interval(column["collective return"]) for column in columns.values()]
+    if differences:
+        click.echo(f"\n{in_columns(sides)}")
+    returns = [_interval(column[RETURN]) for column in columns.values()]
     baseline = f" against {returns[1]} of a random policy" if len(returns) > 1 else ""
     click.echo(f"return {returns[0]}{baseline}")
+    return differences
+
+
+def _print_over_seeds(results: Sequence[Mapping[str, "Estimate"]]) -> None:
+    """Prints the differences of training and held-out tasks over the training seeds of a run."""
+    import numpy as np
+
+    from sjdsl.trainers.policies.estimates import estimate
+
+    if len(results) < 2:
+        return
+    for split in results[0]:
+        means = np.array([of_seed[split].mean for of_seed in results])
+        click.echo(
+            f"training minus held out, {split}, over {len(results)} training seeds: "
+            f"{_interval(estimate(means))}"
+        )
 
 
 def _is_listed(figure: str, game: "ir.Game") -> bool:

@@ -63,6 +63,11 @@ def command(
     resumes a stopped sweep; a new value or axis adds cells. Several processes can work on one
     folder: docs/sweeps.md.
     """
+    if options.of_tasks:
+        raise click.UsageError(
+            "a sweep trains on the training tasks of each game: --tasks, --split and --problem are "
+            "for `sjdsl train`"
+        )
     spec = SweepSpec(
         games=games,
         axes=[read_axis(text) for text in axes],

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import asdict
 from pathlib import PurePath
 from typing import Any
 
@@ -14,6 +15,7 @@ from sjdsl.cli.stages import StatusLine, status_line
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.library.checked_game import split_variants
 from sjdsl.properties import Effort, GameFamily, Report, Verdict, Verification
+from sjdsl.properties.hidden_task import HiddenTask, hidden_task
 
 STATUS = {
     "passed": "passed",
@@ -103,6 +105,7 @@ class FileTest:
         self.report = Report(())
         self.verification: Verification | None = None
         self.decided: Mapping[int, Verdict] = {}
+        self.told: HiddenTask | None = None
 
     def run(self, status: StatusLine) -> None:
         """Prints each verdict as soon as it is known, in the order of the checks.
@@ -133,8 +136,11 @@ class FileTest:
             with status.hidden():
                 self.say("\n".join(lines))
             raise
+        self.told = hidden_task(family.own)
+        told = [] if self.told is None else [f"  {self.told}"]
         with status.hidden():
-            self.say("\n".join([*ending_lines(self.report), f"{name}: {summary(self.report)}"]))
+            ending = [*told, *ending_lines(self.report), f"{name}: {summary(self.report)}"]
+            self.say("\n".join(ending))
 
     def _interrupted_lines(self, name: str, printed: Mapping[int, Verdict]) -> Iterator[str]:
         """Yields the verdicts that are known but not printed, the undecided checks, and a
@@ -171,9 +177,11 @@ class FileTest:
 
     def document(self) -> dict[str, Any]:
         """Returns the verdicts as values that JSON can hold."""
+        told = {} if self.told is None else {"task": asdict(self.told)}
         return {
             "file": self.file,
             "variant": self.variant,
+            **told,
             "checks": [as_document(verdict) for verdict in self.decided.values()],
             "undecided": self._undecided(),
             "faults": [as_document(verdict) for verdict in self.report.faults],

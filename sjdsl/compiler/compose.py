@@ -30,6 +30,7 @@ TABLE_OF: dict[type[Node], tuple[str, str]] = {
     ast.Timer: ("fields", ""), ast.Define: ("defines", ""), ast.Movers: ("movers", ""), ast.Shape: ("shapes", "shape "),
     ast.Phase: ("phases", "phase "), ast.Variant: ("variants", "variant "), ast.Scenario: ("scenarios", "scenario "),
     ast.ScriptedPolicy: ("policies", "policy "), ast.Task: ("tasks", "task "),
+    ast.HoldOut: ("held_out", "hold out "),
 }  # fmt: skip
 TABLE_OF_AGENTS: dict[type[Node], str] = {
     ast.Field: "agent_fields", ast.Timer: "agent_fields", ast.Forbid: "forbids", ast.Blocks: "agent_blocks",
@@ -51,6 +52,8 @@ class Composition:
     constants: dict[str, ast.Constant] = field(default_factory=dict)
     episode: ast.Episode | None = None
     tasks: dict[str, ast.Task] = field(default_factory=dict)
+    train_on: ast.TrainOn | None = None
+    held_out: dict[str, ast.HoldOut] = field(default_factory=dict)
     kinds: dict[str, ast.Kind] = field(default_factory=dict)
     groups: dict[str, ast.Group] = field(default_factory=dict)
     fields: dict[str, ast.Field | ast.Timer] = field(default_factory=dict)
@@ -88,6 +91,7 @@ class Composition:
     TABLES: ClassVar[dict[str, Space]] = {
         "constants": "name", "kinds": "name", "groups": "name", "fields": "name", "movers": "name", "shapes": "shape", "defines": "name",
         "phases": "phase", "metrics": "metric", "checks": "checks", "policies": "policy", "scenarios": "scenario",
+        "held_out": "split",
     }  # fmt: skip
 
     def names(self) -> list[str]:
@@ -216,6 +220,8 @@ def named_entries(section: ast.Section | ast.Override | ast.Drop) -> list[tuple[
             )
         case ast.Map() | ast.Episode() | ast.Schedule():
             return [(type(section).__name__.lower(), section.span, section)]
+        case ast.TrainOn():
+            return [("train on", section.span, section)]
         case ast.Agents():
             return [(f"agents {_agent_key(node)}", node.span, node) for node in section.attributes]
         case ast.Observe():
@@ -293,6 +299,8 @@ def _apply(game: Composition, sections: Sections) -> None:
                 game.about[section.name.text] = " ".join(text.text for text in section.texts)
             case ast.Episode() | ast.Map() | ast.Schedule():
                 setattr(game, type(section).__name__.lower(), section)
+            case ast.TrainOn():
+                game.train_on = section
             case ast.Agents():
                 game.agents_span = game.agents_span or section.span
                 game.number = game.number if section.number is None else section.number

@@ -20,9 +20,10 @@ from sjdsl.interpreter.overflow import watched
 from sjdsl.interpreter.perform import perform
 from sjdsl.interpreter.sending import bring_back, remove, send
 from sjdsl.interpreter.shifting import shift
-from sjdsl.interpreter.state import Outcome, Value, World, copied
+from sjdsl.interpreter.state import Outcome, Value, World, copied, default_params
 from sjdsl.interpreter.stored import held_values
-from sjdsl.interpreter.threefry import Draws
+from sjdsl.interpreter.tasks import fix_parts, key_of_task
+from sjdsl.interpreter.threefry import Draws, Threefry
 from sjdsl.interpreter.writes import Counted, Writes, write_fields
 
 # (event, its enum value or None) -> its count so far, over all agents
@@ -45,8 +46,30 @@ def reset(
     board = board_of(game)
     laid = declared_world(board, dict(params))
     if game.task is not None:
-        laid = _phase(game.task.draw, _starting(board, laid, draws), _empty_outcome(board), tell)
+        laid = _with_task(board, laid, draws, tell)
     return _begun(board, laid, draws, tell, sends)
+
+
+def task_of_key(game: ir.Game, key: tuple[int, int]) -> dict[str, Value]:
+    """Returns the values of the task's fields, those of a row as a tuple, that a key gives."""
+    board = board_of(game)
+    assert game.task is not None, game.name
+    laid = declared_world(board, default_params(game))
+    fields = _with_task(board, laid, Threefry(*key), None).fields
+    return {name: fields[name] for name in game.task.fields}
+
+
+def _with_task(board: Board, laid: World, draws: Draws, tell: Tell | None) -> World:
+    """Returns the state before `start` with the task of an episode."""
+    task = board.game.task
+    assert task is not None
+
+    def drawn(key: Draws, tell: Tell | None = None) -> World:
+        world = _phase(task.draw, _starting(board, laid, key), _empty_outcome(board), tell)
+        fix_parts(world, board, key)
+        return world
+
+    return drawn(key_of_task(task, draws, drawn), tell)
 
 
 def _begun(

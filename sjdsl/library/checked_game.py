@@ -1,6 +1,7 @@
 """Builds a checked game from the arguments of `sjdsl.make`, without JAX, which loads slowly."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from importlib.resources.abc import Traversable
 from os import PathLike
 from pathlib import Path
@@ -16,6 +17,7 @@ from sjdsl.compiler.elaborate.world_map import parse_file, row_spans
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.library.games_folder import find_game
 from sjdsl.library.parameters import plain_number, split_sizes
+from sjdsl.library.tasks import Tasks, with_tasks
 
 
 def build_game(
@@ -25,6 +27,9 @@ def build_game(
     params: Mapping[str, Any] | None = None,
     map: str | Path | tuple[str, ...] | None = None,
     placed_by_hand: bool = False,
+    tasks: Tasks | None = None,
+    split: str | None = None,
+    problem: int | None = None,
 ) -> tuple[Build, dict[str, Any]]:
     """Returns a checked game and its run-time numbers.
 
@@ -44,7 +49,7 @@ def build_game(
             f"{num_agents} agents are asked for, but a size among the numbers says "
             f"{build.game.agents.number}"
         )
-    return build, run_time
+    return replace(build, game=with_tasks(build.game, tasks, split, problem)), run_time
 
 
 def split_variants(text: str | None) -> tuple[str, ...]:

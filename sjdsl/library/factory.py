@@ -16,6 +16,7 @@ from sjdsl.compiler.ir.hash import printed_digest
 from sjdsl.library.cache import cached_text
 from sjdsl.library.checked_game import build_game
 from sjdsl.library.parameters import admitted_params, build_params
+from sjdsl.library.tasks import Tasks, with_tasks
 from sjdsl.runtime.env import Encoding, Environment
 
 
@@ -26,6 +27,9 @@ def make(
     params: Mapping[str, Any] | None = None,
     map: str | Path | tuple[str, ...] | None = None,
     observation: Encoding = "tokens",
+    tasks: Tasks | None = None,
+    split: str | None = None,
+    problem: int | None = None,
 ) -> Environment:
     """Returns the environment of a game.
 
@@ -37,13 +41,21 @@ def make(
         `size` is compile-time.
       map: another map for the game's legend: a text file, or its rows.
       observation: `tokens` or `onehot`, both uint8.
+      tasks: which tasks of the game are played: `"training"`, `"held_out"`, `"all"`, or the values
+        of some fields, such as `{"main_hue": "red", "pay[red]": 3}`, all others being drawn. By
+        default the training tasks, if the game has a split, else all.
+      split: which tasks are held out, where the game has several splits.
+      problem: plays one task, which the key of this number gives among those.
 
     Raises:
       CompileError: with every mistake in the file and its place.
       FileNotFoundError, ValueError, TypeError: an argument is wrong.
       RuntimeError: the process was forked from one that had made an environment.
     """
-    return environment_of(*build_game(game, variant, num_agents, params, map), observation)
+    build, run_time = build_game(
+        game, variant, num_agents, params, map, tasks=tasks, split=split, problem=problem
+    )
+    return environment_of(build, run_time, observation)
 
 
 def environment_of(
@@ -65,6 +77,17 @@ def environment_of(
     module = load_module(text, file, game.name)
     admit = partial(admitted_params, game, module)
     return Environment(module, build_params(game, module, params), observation, game, admit)
+
+
+def with_other_tasks(env: Environment, tasks: Tasks, split: str | None = None) -> Environment:
+    """Returns the same game with the same numbers, which plays other tasks.
+
+    The arguments and the errors are those of `make`.
+    """
+    build = Build(with_tasks(env.game, tasks, split), (), {})
+    other = environment_of(build, {}, env.observation)  # type: ignore[arg-type]
+    numbers = {field.name: getattr(env.params, field.name) for field in fields(env.params)}
+    return other.with_params(other.params.replace(**numbers))
 
 
 class GeneratedModule(ModuleType):

@@ -54,8 +54,12 @@ def _forbidden_by_number(family: GameFamily) -> ast.Forbid | None:
 
 
 def _why_asymmetric(sort: ir.Sort, game: ir.Game) -> str:
-    """Returns which line of a game tells agents or movers apart, and how; "" if none does."""
-    for rule in (*game.schedule, game.agents, *game.kinds):
+    """Returns which line of a game tells agents or movers apart, and how; "" if none does.
+
+    In a game with trials, `start` is part of the step that ends one.
+    """
+    starts = () if game.trials is None else (game.start,)
+    for rule in (*game.schedule, *starts, game.agents, *game.kinds):
         for node in ir.walk(rule):
             reason = _reads_number(node, sort)
             if not reason and sort == AGENTS:

@@ -26,6 +26,9 @@ class Arguments(BaseModel):
     params: dict[str, Any] | None = None
     map: str | list[str] | None = None
     observation: Literal["tokens", "onehot"] = "tokens"
+    tasks: str | dict[str, Any] | None = None
+    split: str | None = None
+    problem: int | None = None
 
 
 Seed = Annotated[int, Field(ge=0, lt=2**63)]

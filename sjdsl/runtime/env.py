@@ -101,6 +101,25 @@ class Environment:
         return self.module.NUM_TRIALS if has_trials(self.module) else 1
 
     @property
+    def tasks(self) -> Any:
+        """Which tasks are played, as the argument `tasks` of `make`; None in a game without any.
+
+        Also None without a compiler, whose module plays all.
+        """
+        task = None if self.game is None else self.game.task
+        if task is None:
+            return None
+        if not task.given:
+            return task.side
+        return {given.name: given.value for given in task.given}
+
+    @property
+    def split(self) -> str:
+        """The name of the split whose tasks are held out, if they are what is played; else ""."""
+        task = None if self.game is None else self.game.task
+        return "" if task is None else task.split
+
+    @property
     def episode_length(self) -> int:
         """Steps until truncation under `params`, of all trials, as a number also inside `jit`."""
         with jax.ensure_compile_time_eval():

@@ -26,6 +26,8 @@ UNHASHED = {
     ir.Policy,
     ir.Slots,
     ir.Scenario,
+    ir.TaskPart,
+    ir.GivenPart,
 }  # by name, seen through, or beside the rules
 IN_CHECKS = {ir.Before, ir.EventTotal}  # and never in `require`
 INFERRED = {  # of classes other than expressions: what follows from the rest
@@ -37,7 +39,9 @@ INFERRED = {  # of classes other than expressions: what follows from the rest
     ir.ActionWithArguments: {"first"},
     ir.Forbid: {"action", "names"},
     ir.Phase: {"name"},
-    ir.Task: {"fields", "name"},
+    ir.Task: {"fields", "name", "number_stream", "row_stream", "side", "split", "given"},
+    ir.TrainOn: {"candidates"},
+    ir.HoldOut: {"name"},
     ir.Event: {"per_agent"},
     ir.Check: {"words", "policies", "episodes"},
     ir.ScriptedPolicy: {"title"},

@@ -42,3 +42,26 @@ def estimate(samples: np.ndarray, confidence: float = 0.95) -> Estimate:
     quantile = stats.t.ppf(0.5 + confidence / 2, len(samples) - 1)
     margin = float(quantile * deviation / math.sqrt(len(samples)))
     return Estimate(mean, mean - margin, mean + margin)
+
+
+def difference(first: np.ndarray, second: np.ndarray, confidence: float = 0.95) -> Estimate:
+    """Returns the mean of some samples minus that of others, with Welch's interval.
+
+    It is infinitely wide if one has fewer than two samples, and of width 0 if neither varies.
+    Source: Welch, "The generalization of 'Student's' problem when several different population
+    variances are involved", Biometrika 34, 1947.
+    """
+    first = np.asarray(first, np.float64)
+    second = np.asarray(second, np.float64)
+    mean = float(first.mean() - second.mean())
+    if min(len(first), len(second)) < 2:
+        return Estimate(mean, -math.inf, math.inf)
+    variance_of_first = float(first.var(ddof=1)) / len(first)
+    variance_of_second = float(second.var(ddof=1)) / len(second)
+    variance = variance_of_first + variance_of_second
+    if variance == 0:
+        return Estimate(mean, mean, mean)
+    parts = variance_of_first**2 / (len(first) - 1) + variance_of_second**2 / (len(second) - 1)
+    quantile = stats.t.ppf(0.5 + confidence / 2, variance**2 / parts)
+    margin = float(quantile * math.sqrt(variance))
+    return Estimate(mean, mean - margin, mean + margin)

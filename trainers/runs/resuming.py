@@ -34,6 +34,11 @@ def check_same_run(env: Environment, run_dir: Path) -> dict[str, Any]:
             f"{run_dir} is a run with other numbers of the game: "
             f"{', '.join(changed) or 'some are gone'}"
         )
+    if (stored.get("tasks"), stored.get("split")) != (game.get("tasks"), game.get("split")):
+        raise RunError(
+            f"{run_dir} is a run on other tasks of the game: {stored.get('tasks')} "
+            f"{stored.get('split') or ''}"
+        )
     installed = versions()
     others = [
         f"{name} {version} (here {installed.get(name)})"

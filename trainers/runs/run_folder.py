@@ -54,9 +54,12 @@ def describe_game(env: Environment) -> dict[str, Any]:
     """Returns what the files of a run and of a policy say of their game."""
     observation, _ = reset_shapes(env)
     params = tree_leaves_with_path(env.params)
+    tasks = getattr(env, "tasks", None)
+    played = {} if tasks is None else {"tasks": tasks, "split": getattr(env, "split", "")}
     return {
         "name": env.name,
         "hash": env.hash,
+        **played,
         "params": {keystr(path, simple=True): plain(leaf) for path, leaf in params},
         "num_agents": env.num_agents,
         "action_names": list(env.action_names),

@@ -5,9 +5,9 @@ if exists("b:current_syntax")
 endif
 syntax case match
 syntax match sjKeywordOperator '->\|\.\.\|<=\|>=\|==\|!=\|[-+*/%<>=]'
-syntax match sjKeywordOperatorWord '\<\(after\|ahead\|aim\|all\|along\|and\|any\|as\|at\|avoiding\|away\|but\|by\|capped\|choose\|chose\|count\|different\|episodes\|facing\|focal\|for\|from\|in\|is\|keep\|not\|of\|on\|or\|over\|random\|seek\|slots\|sum\|to\|toward\|trials\|with\|wraps\)\>'
+syntax match sjKeywordOperatorWord '\<\(after\|ahead\|aim\|all\|along\|and\|any\|as\|at\|avoiding\|away\|but\|by\|capped\|choose\|chose\|count\|different\|episodes\|facing\|focal\|for\|from\|in\|is\|keep\|not\|of\|on\|or\|out\|over\|random\|seed\|seek\|slots\|sum\|to\|toward\|trials\|with\|wraps\)\>'
 syntax match sjKeywordOtherStatement '\<\(add\|draw\|end\|give\|let\|mark\|move\|remove\|send\|set\|tally\)\>'
-syntax match sjStorageType '\<\(about\|acts\|agents\|always\|blocks\|checks\|cite\|conserved\|define\|drop\|episode\|event\|expect\|extends\|field\|final\|forbid\|game\|glyph\|group\|hide\|kind\|look\|map\|mean\|metrics\|monotone\|movers\|moves\|observe\|once\|param\|phase\|policy\|require\|scenario\|schedule\|shape\|show\|size\|sj\|symmetric\|task\|timer\|variant\|where\|window\)\>'
+syntax match sjStorageType '\<\(about\|acts\|agents\|always\|blocks\|checks\|cite\|conserved\|define\|drop\|episode\|event\|expect\|extends\|field\|final\|forbid\|game\|glyph\|group\|hide\|hold\|kind\|look\|map\|mean\|metrics\|monotone\|movers\|moves\|observe\|once\|param\|phase\|policy\|require\|scenario\|schedule\|shape\|show\|size\|sj\|symmetric\|task\|timer\|train\|variant\|where\|window\)\>'
 syntax match sjKeywordControl '\<\(case\|chance\|each\|first\|match\|otherwise\|pick\|when\)\>'
 syntax match sjSupportFunction '\<\(abs\|before\|chicken\|count\|distance\|highest\|lowest\|max\|min\|mix\|prisoners_dilemma\|quotient\|ramp\|round\|shift\|stag_hunt\|sum\)\ze\s*('
 syntax match sjVariableLanguage '\<\(agent\|step\)\>'

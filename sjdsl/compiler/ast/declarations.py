@@ -110,6 +110,21 @@ class Task(Named):
     fields: tuple[TaskField, ...]
 
 
+class TrainOn(Node):
+    """How many tasks there are to learn from, and the number that they are drawn from."""
+
+    number: Expr
+    task: Name
+    seed: Expr
+
+
+class HoldOut(Named):
+    """A condition that holds in no task to learn from."""
+
+    task: Name
+    condition: Expr
+
+
 class Field(Named):
     """start None: the type's default (0, nobody) or, for words, an error."""
 
@@ -349,7 +364,7 @@ class Variant(Named):
 
 
 Section = (
-    Cite | About | Constant | Episode | Task | Kind | Group | Field | Timer | Map | Agents | Movers | Shape | Define | Schedule | Phase | Observe
+    Cite | About | Constant | Episode | Task | TrainOn | HoldOut | Kind | Group | Field | Timer | Map | Agents | Movers | Shape | Define | Schedule | Phase | Observe
     | Look | Metrics | Checks | ScriptedPolicy | Scenario | Variant
 )  # fmt: skip
 

@@ -11,7 +11,7 @@ from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.diagnostics.tree import children, walk
 
 Space = Literal[
-    "game", "name", "word", "field", "action", "argument", "shape", "phase", "metric", "variant", "policy", "scenario", "checks", "local"
+    "game", "name", "word", "field", "action", "argument", "shape", "phase", "metric", "variant", "policy", "scenario", "checks", "split", "local"
 ]  # fmt: skip
 Owners = (
     frozenset[str] | None
@@ -21,6 +21,7 @@ SPACES: dict[type[Node], Space] = {
     ast.Game: "game", ast.Constant: "name", ast.Kind: "name", ast.Group: "name", ast.Movers: "name", ast.Define: "name", ast.Field: "name",
     ast.Timer: "name", ast.Action: "action", ast.Argument: "argument", ast.Shape: "shape", ast.Phase: "phase", ast.Event: "metric",
     ast.Measure: "metric", ast.Variant: "variant", ast.ScriptedPolicy: "policy", ast.Scenario: "scenario", ast.Checks: "checks",
+    ast.HoldOut: "split",
 }  # fmt: skip
 AROUND = (
     ast.File,

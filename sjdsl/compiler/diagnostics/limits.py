@@ -38,7 +38,7 @@ MAX_EXPANSIONS = 4096  # uses of defines, once those inside them are written out
 
 CHAINS = ("sum", "prod", "expr", "and_e")
 STATEMENTS = frozenset((  # rules of the grammar that count as statements
-    "cite", "about", "size", "param", "episode", "task", "task_field", "kind", "group", "field", "timer", "map", "agents",
+    "cite", "about", "size", "param", "episode", "task", "task_field", "train_on", "hold_out", "kind", "group", "field", "timer", "map", "agents",
     "movers", "shape", "define", "schedule", "phase", "observe", "look", "metrics", "checks",
     "variant", "override", "drop", "glyph", "blocks", "acts", "moves", "forbid", "window", "show",
     "hide", "event", "mean", "final", "require", "always", "once", "conserved", "monotone",

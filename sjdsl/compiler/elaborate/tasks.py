@@ -11,6 +11,7 @@ from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.elaborate.fields import field_type
 from sjdsl.compiler.elaborate.keys import level_of
 from sjdsl.compiler.elaborate.scope import Scope
+from sjdsl.compiler.elaborate.splits import check_no_splits, with_splits
 from sjdsl.compiler.elaborate.statements import check_deal, check_number_of_values
 from sjdsl.compiler.elaborate.streams import Streams
 
@@ -55,8 +56,17 @@ def task(game: Composition, scope: Scope) -> ir.Task | None:
         draw = ir.Phase(
             label=streams.label, name="draw_task", body=tuple(body), origin=declared.span
         )
-        fields = tuple(field.name.text for field in declared.fields)
-        return ir.Task(name=declared.name.text, fields=fields, draw=draw, origin=declared.span)
+        typed = ir.Task(
+            name=declared.name.text,
+            fields=tuple(field.name.text for field in declared.fields),
+            draw=draw,
+            number_stream=streams.shared("split", "number"),
+            row_stream=streams.shared("split", "row"),
+            origin=declared.span,
+        )
+        is_whole = len(body) == 2 * len(declared.fields)
+        return with_splits(typed, game, scope) if is_whole else typed
+    check_no_splits(game, scope)
     return None
 
 

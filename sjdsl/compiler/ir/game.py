@@ -347,16 +347,66 @@ class Trials(Node):
     kept: tuple[Kept, ...] = ()
 
 
+class TrainOn(Node):
+    """Tasks to learn from: task i, from 0 to `number` - 1, is drawn from the key (`seed`, i).
+
+    `candidates`: how many tasks are drawn, of which the first that is none of these is held out.
+    """
+
+    number: int
+    seed: int
+    candidates: int
+
+
+class HoldOut(Node):
+    """The tasks for which a condition holds: no task to learn from is one of them."""
+
+    name: str
+    condition: Expr
+
+
+class TaskPart(Node):
+    """One word or number of a task: a field of it, or the entry of a row at a place."""
+
+    field: str
+    place: int | None = None
+
+
+class GivenPart(Node):
+    """A part of a task that isn't drawn.
+
+    `name`: as it is written, `pay[red]`. `value`: a word, or a number.
+    """
+
+    name: str
+    part: TaskPart
+    value: int | str
+
+
+Side = Literal["all", "training", "held_out"]
+
+
 class Task(Node):
     """Fields of the world that are drawn when an episode begins, before `start`, and written by no
     rule.
 
-    `draw`: the phase that draws them.
+    `draw`: the phase that draws them. `train_on`, `hold_outs`: the splits of the file.
+    `number_stream`, `row_stream`: of what a split draws: the number of a task, or the keys of
+    candidates; a row of the table of the parts that conditions read.
+    `side`, `split`: the tasks that are played. The split is the name of a `hold out`, or that of
+    the task for `train on`. `given`: the parts that are fixed, whichever side is played.
     """
 
     name: str
     fields: tuple[str, ...]
     draw: Phase
+    train_on: TrainOn | None = None
+    hold_outs: tuple[HoldOut, ...] = ()
+    number_stream: int = 0
+    row_stream: int = 0
+    side: Side = "all"
+    split: str = ""
+    given: tuple[GivenPart, ...] = ()
 
 
 class Game(Node):

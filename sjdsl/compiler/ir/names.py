@@ -31,6 +31,7 @@ _KERNELS = {
     "line_of_sight": "nearest_in_lanes reached",
     "torus": "cells_on joined_edges shorter_way",
     "egocentric_windows": "fill look_fields look_number paint planes_of windows",
+    "tasks": "candidate_key drawn_row numbered_key with_entries",
     "writing": "add_at add_to_entry set_at set_entry",
 }
 # What generated code may call, by module.
@@ -39,6 +40,7 @@ RESERVED = {
     "state", "out", "params", "actions", "key", "jnp", "struct", "start", "reset", "step",
     "observe", "measures", "tick", "allowed", "allowed_actions", "episode_length", "initial_state",
     "no_outcome", "default_params", "next_trial", "trial_length", "draw_task",
+    "task_of_side", "task_numbers",
     *keyword.kwlist,
     *(name for names in KERNELS.values() for name in names),
 }  # fmt: skip

@@ -41,6 +41,7 @@ from sjdsl.compiler.lower.state import (
     state_fields,
 )
 from sjdsl.compiler.lower.statements import block, mark_size
+from sjdsl.compiler.lower.tasks import functions_of_task, task_of_episode
 from sjdsl.compiler.lower.trials import next_trial
 from sjdsl.compiler.lower.writer import Module, Writer, replaced
 from sjdsl.compiler.program import Constant, Fact, Field, Function, Group, Number, Program
@@ -128,12 +129,13 @@ def _program(game: ir.Game, source: str, module: Module) -> Program:
         ),
     ]
     phases = dict.fromkeys(turn.function for turn in turns)
-    beginning = [_reset(game)]
+    beginning = [_reset(game, module)]
     if game.trials is not None:
         started = _started("start", Name("laid"))
-        beginning.append(next_trial(game, game.trials, _laid(game), started, module))
+        beginning.append(next_trial(game, game.trials, _laid(game, module), started, module))
     if game.task is not None:
         beginning.append(_phase(game.task.draw, (), module))
+        beginning += functions_of_task(game.task, _drawn(game.task), module)
     functions = (*constructors, *beginning, _step(turns, module), start, *phases, *others)
     constants, numbers = _used(functions, module)
     hash_ = game_hash(game)
@@ -233,17 +235,23 @@ def _constructor(name: str, class_: str, doc: str, fields: list[Field]) -> Funct
     return Function(name, (), class_, doc, (Return((call(class_, **defaults),)),))
 
 
-def _reset(game: ir.Game) -> Function:
+def _reset(game: ir.Game, module: Module) -> Function:
     doc = "Returns the first state of an episode. `key`: two uint32 words."
     parameters = (("params", "Params"), ("key", "Array"))
-    state = _started("start", _laid(game))
+    state = _started("start", _laid(game, module))
     return Function("reset", parameters, "State", doc, (Return((state,)),))
 
 
-def _laid(game: ir.Game) -> Expression:
+def _laid(game: ir.Game, module: Module) -> Expression:
     """Returns the state before `start`: what is declared, and the task of the episode."""
-    declared = call("initial_state")
-    return declared if game.task is None else _started(game.task.draw.name, declared)
+    if game.task is None:
+        return call("initial_state")
+    return task_of_episode(game.task, module) or _drawn(game.task)
+
+
+def _drawn(task: ir.Task) -> Expression:
+    """Returns the state before `start`, with any task."""
+    return _started(task.draw.name, call("initial_state"))
 
 
 def _started(phase: str, before: Expression) -> Expression:

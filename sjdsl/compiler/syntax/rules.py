@@ -256,6 +256,8 @@ RULES: dict[str, Build] = {kind.__name__.lower(): node(kind) for kind in PLAIN} 
     "phase": node(ast.Phase, parameters="names"),
     "draw": draw,
     "task_field": task_field,
+    "train_on": node(ast.TrainOn),
+    "hold_out": node(ast.HoldOut, condition="where"),
     "match": match_,
     "otherwise": lambda _, item: item,
     "set": node(ast.Set, lot="by_lot"),

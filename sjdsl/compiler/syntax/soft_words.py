@@ -14,6 +14,7 @@ from sjdsl.compiler.syntax.recovery.automaton import Automaton, Stack, read, rea
 SOFT = frozenset((  # kinds of tokens, as in the parser's table
     "POLICY", "SCENARIO", "CHOOSE", "AVOIDING", "AIM", "AT", "SLOTS", "FOCAL", "MOVERS", "TOWARD",
     "AWAY", "RANDOM", "AHEAD", "ALONG", "WRAPS", "ANY", "TRIALS", "KEEP", "DIFFERENT", "TASK",
+    "TRAIN", "SEED", "HOLD", "OUT",
 ))  # fmt: skip
 CALLED = frozenset({"ANY"})  # those that stand where names can as well: words only before `(`
 

@@ -273,6 +273,42 @@ class SecondTask(AboutName, code="SJ516", title="Tasks"):
     hints = ("put its fields into the first",)
 
 
+class SplitOfNothing(AboutName, code="SJ517", title="Splits of tasks"):
+    says = "the game has no task `{name}` to split"
+    hints = ("declare it: `task {name} {{ field hue : {{ red, green }} }}`",)
+
+
+class SplitReads(AboutName, code="SJ517", title="Splits of tasks"):
+    says = "`hold out {name}` reads more than the task"
+    hints = (
+        "the condition may read fields of the task, numbers and `size`s: "
+        "what is held out is known before an episode begins",
+    )
+
+
+class NothingHeldOut(AboutName, code="SJ517", title="Splits of tasks"):
+    says = "`hold out {name}` holds out no task: its condition never holds"
+    hints = ("write a condition that holds for some tasks",)
+
+
+class NothingToTrainOn(Diagnostic, code="SJ517", title="Splits of tasks"):
+    says = "every task is held out, and none is left to train on"
+    hints = ("write conditions that are all false for some tasks",)
+
+
+class TooManyToTrainOn(Diagnostic, code="SJ517", title="Splits of tasks"):
+    """tasks: that can be trained on. most: of them, so that a hundredth is left."""
+
+    says = "{number} training tasks, out of {tasks}, leave less than a hundredth of them held out"
+    hints = (
+        "write {most} at most, or `hold out` those that must not be learned from",
+        "give the task more fields, or fields more values",
+    )
+    number: int
+    tasks: int
+    most: int
+
+
 class Unsupported(Diagnostic, code="SJ601", title="Not supported yet"):
     says = "not supported yet: {feature}"
     feature: str

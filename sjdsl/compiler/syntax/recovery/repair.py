@@ -33,7 +33,7 @@ STATEMENTS = frozenset((
 SECTIONS = frozenset((
     "CITE", "ABOUT", "SIZE", "PARAM", "EPISODE", "KIND", "GROUP", "FIELD", "TIMER", "MAP", "AGENTS",
     "SHAPE", "DEFINE", "SCHEDULE", "PHASE", "OBSERVE", "LOOK", "METRICS", "CHECKS", "POLICY",
-    "SCENARIO", "MOVERS", "VARIANT", "TASK",
+    "SCENARIO", "MOVERS", "VARIANT", "TASK", "TRAIN", "HOLD",
 ))  # fmt: skip
 ENTRIES = frozenset((
     "GLYPH", "BLOCKS", "ACTS", "MOVES", "FORBID", "WINDOW", "SHOW", "HIDE", "EVENT", "MEAN",

@@ -1,0 +1,177 @@
+"""The parts of a task, and the table of a side: the values that its conditions' parts can have.
+
+    hold out light of rules where pay[red] > 7   ->   parts (pay[red],), rows ((8,), (9,))
+
+A part is a field, or one entry of a row. A condition reads some of them, and the others are free.
+"""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import permutations, product
+from typing import Any
+
+from sjdsl.compiler.diagnostics.frozen import Record
+from sjdsl.compiler.diagnostics.tree import children
+from sjdsl.compiler.ir.expressions import At, Expr, FieldRead, Number, Word
+from sjdsl.compiler.ir.fold import UnknownValue, fold
+from sjdsl.compiler.ir.game import GivenPart, HoldOut, Task, TaskPart
+from sjdsl.compiler.ir.node import Node
+from sjdsl.compiler.ir.statements import Draw
+from sjdsl.compiler.ir.values import Evaluation
+
+Part = int | str  # the value of one: a number or a word
+Row = tuple[Part, ...]
+
+
+class SideRows(Record):
+    """What a side has: each of its tasks has one of the rows in these parts, all equally likely."""
+
+    parts: tuple[TaskPart, ...]
+    rows: tuple[Row, ...]
+
+
+def drawn_fields(task: Task) -> tuple[Draw, ...]:
+    """Returns what is drawn for each field, in the order of declaration."""
+    return tuple(statement for statement in task.draw.body if isinstance(statement, Draw))
+
+
+def values_of(drawn: Draw) -> tuple[Part, ...]:
+    """Returns the values that a field, or an entry of a row, can have."""
+    if drawn.words:
+        return drawn.words
+    return tuple(range(int(drawn.type.low), int(drawn.type.high) + 1))
+
+
+def parts_of(drawn: Draw) -> tuple[TaskPart, ...]:
+    """Returns the parts of one field: itself, or the entries of the row."""
+    if drawn.by is None:
+        return (TaskPart(field=drawn.name),)
+    return tuple(TaskPart(field=drawn.name, place=place) for place in range(len(drawn.by)))
+
+
+def part_name(part: TaskPart, task: Task) -> str:
+    """Returns a part as it is written: `hue`, `pay[red]`."""
+    drawn = next(drawn for drawn in drawn_fields(task) if drawn.name == part.field)
+    if part.place is None:
+        return part.field
+    assert drawn.by is not None
+    return f"{part.field}[{drawn.by.keys[part.place]}]"
+
+
+def number_of_ways(task: Task, parts: Sequence[TaskPart]) -> int:
+    """Returns how many rows some parts can have, all equally likely."""
+    ways = 1
+    for drawn in drawn_fields(task):
+        values = len(values_of(drawn))
+        number = sum(part.field == drawn.name for part in parts)
+        ways *= math.perm(values, number) if drawn.different else values**number
+    return ways
+
+
+def parts_read(task: Task, conditions: Sequence[Expr]) -> tuple[TaskPart, ...]:
+    """Returns the parts that conditions read, in the order of declaration.
+
+    Of a row with a key that isn't written out, all entries are read.
+    """
+    read = {part for condition in conditions for part in _read(condition)}
+    whole_rows = {part.field for part in read if part.place is None}
+    return tuple(
+        part
+        for drawn in drawn_fields(task)
+        for part in parts_of(drawn)
+        if part in read or part.field in whole_rows
+    )
+
+
+def _read(e: Node) -> Iterator[TaskPart]:
+    """Yields the parts that an expression reads; of a whole row, one without a place."""
+    match e:
+        case At(row=FieldRead() as row, key=Word() | Number() as key):
+            written = key.value if isinstance(key, Word) else int(key.value)
+            yield TaskPart(field=row.name, place=row.type.by[0].place_of(written))
+        case FieldRead():
+            yield TaskPart(field=e.name)
+        case _:
+            for child in children(e):
+                yield from _read(child)
+
+
+def rows_of_training(task: Task) -> SideRows:
+    """Returns the tasks for which the condition of no `hold out` holds."""
+    return _rows(task, task.hold_outs, is_held_out=False)
+
+
+def rows_of_hold_out(task: Task, hold_out: HoldOut) -> SideRows:
+    """Returns the tasks for which the condition of a `hold out` holds."""
+    return _rows(task, (hold_out,), is_held_out=True)
+
+
+def rows_of_side(task: Task) -> SideRows:
+    """Returns the rows of the side that is played, or the one row of the parts that are given."""
+    if task.given:
+        return SideRows(
+            tuple(given.part for given in task.given), (tuple(g.value for g in task.given),)
+        )
+    match task.side:
+        case "all":
+            return SideRows((), ((),))
+        case "held_out" if task.split != task.name:
+            return rows_of_hold_out(task, next(h for h in task.hold_outs if h.name == task.split))
+        case _:
+            return rows_of_training(task)
+
+
+def tasks_with(rows: SideRows, task: Task) -> int:
+    """Returns how many tasks there are with one of the rows."""
+    everything = tuple(part for drawn in drawn_fields(task) for part in parts_of(drawn))
+    free = number_of_ways(task, everything) // number_of_ways(task, rows.parts)
+    return free * len(rows.rows)
+
+
+def _rows(task: Task, hold_outs: tuple[HoldOut, ...], is_held_out: bool) -> SideRows:
+    """Returns the rows for which some condition holds, or none does."""
+    conditions = tuple(hold_out.condition for hold_out in hold_outs)
+    parts = parts_read(task, conditions)
+    rows = []
+    for row in _all_rows(task, parts):
+        fields = _fields(task, dict(zip(parts, row, strict=True)))
+        if any(_holds(condition, fields) for condition in conditions) == is_held_out:
+            rows.append(row)
+    return SideRows(parts, tuple(rows))
+
+
+def _all_rows(task: Task, parts: Sequence[TaskPart]) -> Iterator[Row]:
+    """Yields every row of some parts, in the order of their values, the last part first."""
+    of_fields = []
+    for drawn in drawn_fields(task):
+        number = sum(part.field == drawn.name for part in parts)
+        values = values_of(drawn)
+        several = permutations(values, number)
+        of_fields.append(several if drawn.different else product(values, repeat=number))
+    for rows in product(*of_fields):
+        yield tuple(value for row in rows for value in row)
+
+
+def _fields(task: Task, row: Mapping[TaskPart, Part]) -> dict[str, Any]:
+    """Returns the values of fields, rows as tuples; None where no condition reads."""
+    fields: dict[str, Any] = {}
+    for drawn in drawn_fields(task):
+        values = tuple(row.get(part) for part in parts_of(drawn))
+        fields[drawn.name] = values[0] if drawn.by is None else values
+    return fields
+
+
+def _holds(condition: Expr, fields: Mapping[str, Any]) -> bool:
+    def read(e: Expr) -> Any:
+        if not isinstance(e, FieldRead):
+            raise UnknownValue
+        return fields[e.name]
+
+    return bool(fold(condition, Evaluation(read)))
+
+
+__all__ = [
+    "GivenPart", "Part", "Row", "SideRows", "drawn_fields", "number_of_ways", "part_name",
+    "parts_of", "parts_read", "rows_of_hold_out", "rows_of_side", "rows_of_training", "tasks_with",
+    "values_of",
+]  # fmt: skip

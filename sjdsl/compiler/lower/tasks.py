@@ -1,0 +1,119 @@
+"""Lowers splits of tasks: the functions that draw a task of the side that is played."""
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.ir.task_rows import SideRows, drawn_fields, parts_of, rows_of_side
+from sjdsl.compiler.lower.draws import KEY
+from sjdsl.compiler.lower.writer import Module, Writer, replaced
+from sjdsl.compiler.program import Function
+from sjdsl.compiler.program.expressions import Cast, Expression, Literal, Name, call, live, path
+
+OF_SIDE = "task_of_side"
+NUMBERS = "task_numbers"
+STATE = Name("state")
+ROW = Name("row")
+PARAMS = Name("params")
+
+
+def task_of_episode(task: ir.Task, module: Module) -> Expression | None:
+    """Returns the state before `start` with a task of the side; None if that is any task."""
+    if task.side == "all" and not task.given:
+        return None
+    train_on = task.train_on
+    key: Expression = KEY
+    if train_on is not None and not task.given:
+        stream = _stream("task_number", task.number_stream, module)
+        tasks = (train_on.number, train_on.seed)
+        if task.side == "training":
+            key = call("numbered_key", KEY, stream, *tasks)
+        elif _is_of_train_on(task):
+            key = call("candidate_key", KEY, stream, train_on.candidates, Name(NUMBERS), *tasks)
+    return call(OF_SIDE, PARAMS, key)
+
+
+def functions_of_task(task: ir.Task, drawn: Expression, module: Module) -> list[Function]:
+    """Returns the functions that `task_of_episode` calls.
+
+    drawn: the state before `start` with any task that is drawn from `key`.
+    """
+    if task_of_episode(task, module) is None:
+        return []
+    functions = [_task_of_side(task, drawn, module)]
+    if _is_of_train_on(task):
+        functions.append(_task_numbers(task, module))
+    return functions
+
+
+def _is_of_train_on(task: ir.Task) -> bool:
+    """Returns whether what is played are the tasks that `train on` leaves."""
+    return task.side == "held_out" and task.split == task.name and not task.given
+
+
+def _stream(name: str, stream: int, module: Module) -> Literal:
+    return module.number(f"stream_{name}", stream, group="stream")
+
+
+def _task_of_side(task: ir.Task, drawn: Expression, module: Module) -> Function:
+    """Returns the function that draws a task of a side from a key."""
+    w = Writer(module)
+    w.set(STATE, drawn)
+    rows = rows_of_side(task)
+    if rows.parts:
+        comment = "rows of " + ", ".join(map(_name, rows.parts))
+        numbers = [[_number(rows, row, at, task) for at in range(len(row))] for row in rows.rows]
+        table = module.constant("rows_of_side", numbers, comment, "i32")
+        is_given = bool(task.given)
+        stream = _stream("task_row", task.row_stream, module)
+        w.set(ROW, table[0] if is_given else call("drawn_row", KEY, stream, table))
+        w.set(STATE, replaced("state", _with_parts(rows, task)))
+    w.give_back(STATE)
+    doc = "Returns the state before `start` with a task of the side that is played."
+    return Function(OF_SIDE, (("params", "Params"), ("key", "Array")), "State", doc, live(w.body))
+
+
+def _name(part: ir.TaskPart) -> str:
+    return part.field if part.place is None else f"{part.field}[{part.place}]"
+
+
+def _number(rows: SideRows, row: tuple[int | str, ...], at: int, task: ir.Task) -> int:
+    """Returns the number that stands for the value of a part."""
+    value = row[at]
+    if isinstance(value, int):
+        return value
+    field = rows.parts[at].field
+    drawn = next(drawn for drawn in drawn_fields(task) if drawn.name == field)
+    return drawn.words.index(value)
+
+
+def _with_parts(rows: SideRows, task: ir.Task) -> dict[str, Expression]:
+    """Returns the attributes of State in which parts have the values of `row`."""
+    changes: dict[str, Expression] = {}
+    for drawn in drawn_fields(task):
+        columns = [at for at, part in enumerate(rows.parts) if part.field == drawn.name]
+        if not columns:
+            continue
+        attribute = f"world_{drawn.name}"
+        if drawn.by is None:
+            changes[attribute] = ROW[columns[0]]
+            continue
+        places = tuple(rows.parts[at].place for at in columns)
+        values = ROW[columns[0] : columns[-1] + 1]
+        different = {"different": True} if drawn.different else {}
+        changes[attribute] = call(
+            "with_entries", path(f"state.{attribute}"), values, places, **different
+        )
+    return changes
+
+
+def _task_numbers(task: ir.Task, module: Module) -> Function:
+    """Returns the function that returns all numbers of a task of the side."""
+    w = Writer(module)
+    w.set(STATE, call(OF_SIDE, call("default_params"), KEY))
+    fields: list[Expression] = []
+    for drawn in drawn_fields(task):
+        value = path(f"state.world_{drawn.name}")
+        fields.append(Cast(value, "i32") if drawn.by is not None else value[None])
+    numbers = fields[0] if len(fields) == 1 else call("jnp.concatenate", fields)
+    w.give_back(numbers)
+    parts = sum(len(parts_of(drawn)) for drawn in drawn_fields(task))
+    doc = f"Returns the task that is drawn from a key as numbers: `[{parts}]` int32."
+    return Function(NUMBERS, (("key", "Array"),), "Array", doc, live(w.body))

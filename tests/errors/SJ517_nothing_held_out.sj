@@ -1,0 +1,13 @@
+sj 1
+game chosen "A condition that never holds" {
+  episode 5
+  task rules { field hue : { red, green }  field price by { red, green } : 0 .. 9 }
+  hold out dear of rules where price[red] > 9
+  kind grass "."
+  map { "..." }
+  agents 2 { acts stay, forward  moves relative }
+  phase start { each agent { send agent to grass } }
+  schedule pay -> walk
+  phase pay { when hue is red and price[red] > 4 { give 1 to all } }
+  phase walk { move each agent }
+}

@@ -1,0 +1,14 @@
+sj 1
+game chosen "Two conditions of which one always holds" {
+  episode 5
+  task rules { field hue : { red, green }  field price by { red, green } : 0 .. 9 }
+  hold out warm of rules where hue is red
+  hold out cold of rules where hue is green
+  kind grass "."
+  map { "..." }
+  agents 2 { acts stay, forward  moves relative }
+  phase start { each agent { send agent to grass } }
+  schedule pay -> walk
+  phase pay { when hue is red and price[red] > 4 { give 1 to all } }
+  phase walk { move each agent }
+}
