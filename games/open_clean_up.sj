@@ -30,6 +30,7 @@ game open_clean_up "Open Clean Up" {
     field recipe by { red, yellow, green, cyan, purple, mid, dark } : different 0 .. things * things - 1
     field main_hue : { red, yellow, green, cyan, purple }
   }
+  hold out dark_by_clay of rules where recipe[dark] in 12 .. 15
 
   kind grass   "."
   kind water   "H" {
@@ -117,13 +118,17 @@ game open_clean_up "Open Clean Up" {
   }
 
   look water where water.state is clean                             as "#6fa8d6" water
-  look water where water.state is not clean and water.hue is red    as "#c0483c" water
-  look water where water.state is not clean and water.hue is yellow as "#cdb23a" water
-  look water where water.state is not clean and water.hue is green  as "#4f8f46" water
-  look water where water.state is not clean and water.hue is cyan   as "#2f9aa0" water
-  look water where water.state is not clean and water.hue is purple as "#82509e" water
+  look water where water.state is not clean and water.hue is red    as "#8f2018" water
+  look water where water.state is not clean and water.hue is yellow as "#f0dc60" water
+  look water where water.state is not clean and water.hue is green  as "#6fae50" water
+  look water where water.state is not clean and water.hue is cyan   as "#a0f0e8" water
+  look water where water.state is not clean and water.hue is purple as "#5a2f80" water
   look water where water.state is mid                               with grey crate
   look water where water.state is dark                              with black crate
+  look station where station.tool is flint                          as grey ore
+  look station where station.tool is cord                           as orange flag
+  look station where station.tool is reed                           as green banana
+  look station where station.tool is clay                           as brown pot
   look stream                                                       as "#86b4d6" water
 
   observe {
@@ -162,4 +167,6 @@ game open_clean_up "Open Clean Up" {
     seek orchard where orchard.fruit is ripe
   }
   variant told "sees the hidden rules" { observe { show recipe  show main_hue } }
+  variant train_16 "learns from 16 tasks" { train on 16 of rules seed 0 }
+  variant train_256 "learns from 256 tasks" { train on 256 of rules seed 0 }
 }

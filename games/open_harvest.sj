@@ -34,10 +34,10 @@ game open_harvest "Open Harvest" {
     field pay_order by { red, yellow, green, cyan, purple } : { uro, uor, ruo, rou, our, oru }
     field speed_order by { red, yellow, green, cyan, purple } : { uro, uor, ruo, rou, our, oru }
   }
+  hold out late_red of rules where pay_order[red] in { our, oru }
 
-  kind ground "."
-  kind gate   "P"
-  kind tree   "1" {
+  kind ground "."  kind gate "P"
+  kind tree "1" {
     field patch : 1 .. 6 = 1
     field hue   : { red, yellow, green, cyan, purple } = red
     field fruit : { bare, unripe, ripe, overripe, rotted } = unripe
@@ -51,8 +51,7 @@ game open_harvest "Open Harvest" {
   agents players {
     acts turn_left, turn_right, step_right, step_left, backward, forward, stay, zap  # released code
     moves compass
-    timer hot  forbid zap when agent.hot > 0
-    timer frozen  forbid all when agent.frozen > 0
+    timer hot  forbid zap when agent.hot > 0  timer frozen  forbid all when agent.frozen > 0
   }
   shape beam { ".x."  # released code: four cells
                "xxx"
@@ -64,8 +63,7 @@ game open_harvest "Open Harvest" {
   define regrowth(cell) = speed[rank(speed_order[cell.hue], cell.taken)] * case near(cell) { 0: 0, 1: regrow_1, 2: regrow_2, 3..: regrow_3 }
 
   phase start {
-    each agent { send agent to gate }
-    draw hues by 1 .. 6 from { red, yellow, green, cyan, purple }
+    each agent { send agent to gate }  draw hues by 1 .. 6 from { red, yellow, green, cyan, purple }
     each tree {
       set tree.hue = hues[tree.patch]
       draw pace from pace_least .. pace_most
@@ -102,11 +100,12 @@ game open_harvest "Open Harvest" {
       each agent as victim in beam of zapper { send victim to gate  set victim.frozen = freeze  tally hits for zapper }
     }
   }
-  look tree where tree.hue is red as "#e9b4ab"  look tree where tree.hue is yellow as "#efe3a0"
-  look tree where tree.hue is green as "#b5dba6"  look tree where tree.hue is cyan as "#a9dfe3"
-  look tree where tree.hue is purple as "#d3b6e3"
+  look tree where tree.hue is red as "#b85548"  look tree where tree.hue is yellow as "#f3e77a"
+  look tree where tree.hue is green as "#8fbf6a"  look tree where tree.hue is cyan as "#a9dfe3"
+  look tree where tree.hue is purple as "#9d7cc4"
   look tree where tree.fruit is unripe as green bush  look tree where tree.fruit is ripe as red apple
-  look tree where tree.fruit is overripe as brown apple
+  look tree where tree.fruit is overripe as black apple
+  look tree where tree.fruit is rotted   as brown mushroom
   observe {
     window ahead 9, behind 1, left 5, right 5  # released code: 11 x 11
     show agent.heading                         # ours: compass moves need it
@@ -123,8 +122,7 @@ game open_harvest "Open Harvest" {
     require pay[best] > pay[middling] and pay[middling] > pay[worst]
     always count(agent on tree where has_apple(tree)) == 0
     always not before(dead) or dead or step == 0
-    symmetric agents
-    expect hits == 0 with never(zap) over 5 episodes
+    symmetric agents  expect hits == 0 with never(zap) over 5 episodes
   }
   # Points in an episode: greedy 199 (182 to 216), oracle 831 (706 to 956); OpenSocialJax's own: 169 to 204, and 541 to 673.
   define keep       = 3   # ours: what regrow_3 asks for
@@ -137,4 +135,6 @@ game open_harvest "Open Harvest" {
     seek ground avoiding tree where has_apple(tree)
   }
   variant told "sees the hidden rules" { observe { show pay_order  show speed_order } }
+  variant train_16 "learns from 16 tasks" { train on 16 of rules seed 0 }
+  variant train_256 "learns from 256 tasks" { train on 256 of rules seed 0 }
 }
