@@ -5,13 +5,13 @@ game open_clean_up "Open Clean Up" {
                 "the right order. Nobody is told the recipes, which last for five trials: they have to be found out together."
   about our_differences "OpenSocialJax pays nothing in a trial's last step, and times the number of agents; each begins a trial with a thing"
                         "in hand that makes no tool, a beam's side cell past an edge is its front cell, and neither bare orchard nor cells"
-                        "under agents are seen: not copied. One map is here, made by the rules of its pool; `map=` takes others."
+                        "under agents are seen: not copied. Instead of its 256 maps there is one; `map=` takes others."
   about our_paradigm "commons"       # ours: whoever cleans works for all who eat
   about our_long_term_impact "high"  # ours
   about our_multi_task "yes"         # ours: to find recipes, to clean, to eat
   about our_difficulty "very hard"   # ours: random players clear next to nothing
 
-  size  players      : count       = 5 in 1 .. 7    # harness; ours: the map has 7 gates
+  size  players      : count       = 5 in 2 .. 7    # harness; ours: the map has 7 gates
   size  rounds       : count       = 5 in 1 .. 100  # harness: trials
   param length       : steps       = 400            # harness: of a trial
   param apple        : reward      = 1              # released code
@@ -166,6 +166,8 @@ game open_clean_up "Open Clean Up" {
     aim beam at water where its(agent, water) and dirt > clean_enough choose clean
     seek orchard where orchard.fruit is ripe
   }
+  scenario newcomer "a newcomer among those who know the rules" { slots 1 focal  slots players - 1 policy oracle }
+  scenario visitors "two among those who only eat" { slots 2 focal  slots players - 2 policy greedy }
   variant told "sees the hidden rules" { observe { show recipe  show main_hue } }
   variant train_16 "learns from 16 tasks" { train on 16 of rules seed 0 }
   variant train_256 "learns from 256 tasks" { train on 256 of rules seed 0 }

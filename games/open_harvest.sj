@@ -5,7 +5,7 @@ game open_harvest "Open Harvest" {
                 "again, are rules of its hue that nobody is told. They last for five trials, so that what is found out pays later."
   about our_differences "OpenSocialJax pays nothing in a trial's last step, and times the number of agents; a beam's mark blocks the way"
                         "and growth for a step, one of 12 neighbours is looked for past a wrong edge, bare trees aren't seen: not copied."
-                        "One map of its pool is here, made by its rules; `map=` takes others."
+                        "Instead of its 256 maps there is one, drawn by their rules; `map=` takes others."
   about our_paradigm "commons"       # ours: a patch eaten bare bears nothing until the next trial
   about our_long_term_impact "high"  # ours
   about our_multi_task "yes"         # ours: to find out, to leave apples, to eat them at their best
@@ -102,10 +102,9 @@ game open_harvest "Open Harvest" {
   }
   look tree where tree.hue is red as "#b85548"  look tree where tree.hue is yellow as "#f3e77a"
   look tree where tree.hue is green as "#8fbf6a"  look tree where tree.hue is cyan as "#a9dfe3"
-  look tree where tree.hue is purple as "#9d7cc4"
-  look tree where tree.fruit is unripe as green bush  look tree where tree.fruit is ripe as red apple
-  look tree where tree.fruit is overripe as black apple
-  look tree where tree.fruit is rotted   as brown mushroom
+  look tree where tree.hue is purple as "#9d7cc4"  look tree where tree.fruit is unripe as green bush
+  look tree where tree.fruit is ripe as red apple  look tree where tree.fruit is overripe as black apple
+  look tree where tree.fruit is rotted as brown mushroom
   observe {
     window ahead 9, behind 1, left 5, right 5  # released code: 11 x 11
     show agent.heading                         # ours: compass moves need it
@@ -134,6 +133,7 @@ game open_harvest "Open Harvest" {
     seek tree where has_apple(tree) and step + harvest / 2 >= length
     seek ground avoiding tree where has_apple(tree)
   }
+  scenario newcomer "a newcomer among those who know the rules" { slots 1 focal  slots players - 1 policy oracle }
   variant told "sees the hidden rules" { observe { show pay_order  show speed_order } }
   variant train_16 "learns from 16 tasks" { train on 16 of rules seed 0 }
   variant train_256 "learns from 256 tasks" { train on 256 of rules seed 0 }

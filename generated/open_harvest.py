@@ -568,7 +568,7 @@ def allowed_actions(state: State, params: Params) -> Array:
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    has_apple = (  # open_harvest.sj:117
+    has_apple = (  # open_harvest.sj:116
         (state.tree_fruit == TREE_UNRIPE_2) | (state.tree_fruit == TREE_RIPE_2) | (state.tree_fruit == TREE_OVERRIPE)
     )
     num_tree = count_of(has_apple)
@@ -598,7 +598,7 @@ def observe(state: State, params: Params) -> Array:
     plane_0 = fill(plane_0, CELLS_TREE, look_number(TREE_LOOK, (5, 5), state.tree_hue, state.tree_fruit))
     plane_1 = paint(plane_1, state.mark_fire, MARK_FIRE_BIT)  # open_harvest.sj:97
     plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << AGENT_SHIFT)  # open_harvest.sj:51
-    seen_0 = windows(  # open_harvest.sj:110
+    seen_0 = windows(  # open_harvest.sj:109
         plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
     seen_1 = windows(
@@ -615,7 +615,7 @@ def observe(state: State, params: Params) -> Array:
     agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
     others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)
     agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)
-    shown_heading = state.heading.astype(jnp.uint8)  # open_harvest.sj:111
+    shown_heading = state.heading.astype(jnp.uint8)  # open_harvest.sj:110
     return planes_of(
         WINDOW, None, content, agents, seen_1, jnp.broadcast_to(shown_heading[:, None], (NUM_AGENTS, NUM_VIEW_CELLS))
     )
