@@ -43,6 +43,7 @@ EPISODES = 200  # of the figures
 SIGNIFICANT_DIGITS = 6
 STEPS_BEFORE_PICTURE = 60
 DIGEST_KEY = "sjdsl:shown"  # in the text of a picture's file
+NO_COLUMNS = ("summary", "our_differences")  # keys of `about` that are too long for a table
 OWN_ENTRY = "our_"  # begins the keys of `about` that describe decisions of this project
 
 # Of a game: `hash` of its rules, `episodes`, `seed`, and `values`: for each name `mean`, `low` and
@@ -249,7 +250,7 @@ def _games_table(games: Mapping[str, Written]) -> list[str]:
     """Returns the lines of the table of all games, with a column for each key of `about`."""
     keys: dict[str, None] = {}  # in the order in which the games name them
     for written in games.values():
-        keys |= dict.fromkeys(key for key, _ in written.game.about if key != "summary")
+        keys |= dict.fromkeys(key for key, _ in written.game.about if key not in NO_COLUMNS)
     columns = sorted(keys, key=lambda key: key.startswith(OWN_ENTRY))  # ours come last
     head = ("game", "agents", "map", "actions", *(key.replace("_", " ") for key in columns))
     rows = []

@@ -449,4 +449,80 @@ MUTATIONS = [
         "expect healed == 0 with defector",
         (("tally illnesses for agent", "tally healed for agent"),),
     ),
+    Mutation(
+        "open_harvest",
+        "require pace_least",
+        (("rot_least   : steps       = 2 ", "rot_least : steps = 9 "),),
+        refused=True,
+    ),
+    Mutation(
+        "open_harvest",
+        "require regrow_1",
+        (("probability = 0.001 ", "probability = 0.01 "),),
+        refused=True,
+    ),
+    Mutation(
+        "open_harvest",
+        "require pay[best]",
+        (("reward      = { best: 1,", "reward = { best: 0.4,"),),
+        refused=True,
+    ),
+    Mutation(
+        "open_harvest",
+        "always count(agent on tree",
+        (("set tree.taken = tree.fruit  set tree.fruit = bare", "set tree.taken = tree.fruit"),),
+    ),
+    Mutation(
+        "open_harvest",
+        "always not before(dead)",
+        (("case near(cell) { 0: 0,", "case near(cell) { 0: regrow_3,"),),
+    ),
+    Mutation("open_harvest", "symmetric agents", _by_index("give pay[value] to agent")),
+    Mutation(
+        "open_harvest",
+        "expect hits == 0",
+        (("each agent as zapper where zapper chose zap {", "each agent as zapper {"),),
+    ),
+    Mutation(
+        "open_clean_up",
+        "always dirt >= 0",
+        (("always dirt >= 0 and dirt <= 1", "always dirt >= 0 and dirt <= 0.5"),),
+    ),
+    Mutation(
+        "open_clean_up",
+        "monotone growth falling in dirt",
+        (("ramp(dirt, spoiled_at, perfect_at)", "ramp(dirt, perfect_at, spoiled_at)"),),
+    ),
+    Mutation("open_clean_up", "symmetric agents", _by_index("give apple to agent")),
+    Mutation(
+        "open_clean_up",
+        "require perfect_at < spoiled_at",
+        (("fraction    = 0.0 ", "fraction = 0.5 "),),
+        refused=True,
+    ),
+    Mutation(
+        "open_clean_up",
+        "always count(agent on orchard",
+        (("{ set orchard.fruit = none  give", "{ give"),),
+    ),
+    Mutation(
+        "open_clean_up",
+        "always not any (agent where agent.newer",
+        (("set agent.older = agent.newer  set agent.newer =", "set agent.older ="),),
+    ),
+    Mutation(
+        "open_clean_up",
+        "expect cleared == 0",
+        (("tally shots for cleaner", "tally cleared for cleaner"),),
+    ),
+    Mutation(
+        "open_clean_up",
+        "expect eaten == 0",
+        (("best_rate * ramp(dirt, spoiled_at, perfect_at)", "0.9"),),
+    ),
+    Mutation(
+        "open_clean_up",
+        "expect eaten > 0",
+        (("tally eaten for agent", "when step > 999 { tally eaten for agent }"),),
+    ),
 ]

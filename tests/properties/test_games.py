@@ -35,6 +35,8 @@ SMALL = {  # a map on which the policies of the expectations have something to d
     "predator_prey": (("XXPP", "aagn", "XPPX"), 4),
     "territory": (("PRPR", "RPRP"), 2),
     "stag_chase": (("....", "....", "...."), 2),
+    "open_harvest": (("1111", "PPPP", "...."), 2),
+    "open_clean_up": (("PPPP", "1234", "FFFS", "BBBB"), 3),
 }
 OFTEN = {  # what is rare in the file and must happen in a short episode
     "ferry": (("basket   : count = 4", "basket   : count = 1"),),

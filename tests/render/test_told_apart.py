@@ -17,6 +17,7 @@ from tests.render.colour_vision import VISIONS, distance
 SIZE = 28  # pixels, as in the pictures of the games
 CLEAR = 15.0  # CIE76; what is just noticeable is about 2.3
 PART = 0.04  # of the tile's pixels
+UNSEEN = {("water", "clean"): "hue"}  # kind, a word of a cell: a field that agents don't see then
 
 
 def states_of(kind: KindLook) -> Iterator[tuple[dict[str, str], Drawing]]:
@@ -49,7 +50,9 @@ def unlike_words(look: Look) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
     """Yields the tiles of two states of a cell that differ in the word of one field, with what they are."""
     for kind in look.kinds:
         for (first, one), (second, other) in combinations(states_of(kind), 2):
-            if sum(first[name] != second[name] for name in first) == 1:
+            unlike = [name for name in first if first[name] != second[name]]
+            unseen = {UNSEEN.get((kind.name, word)) for word in first.values()}
+            if len(unlike) == 1 and unlike[0] not in unseen:
                 yield (
                     f"{kind.name}: {first} and {second}",
                     draw_tile(one, SIZE),
