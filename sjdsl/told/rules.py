@@ -11,7 +11,7 @@ from sjdsl.compiler.ir.queries import (
     task_space,
 )
 from sjdsl.compiler.lower.cell_appearance import token_planes
-from sjdsl.doc.actions import COMPASS, RELATIVE, declared
+from sjdsl.doc.actions import COMPASS, RELATIVE
 from sjdsl.doc.wording import joined, number
 from sjdsl.told.legal import has_built_in_moves
 from sjdsl.told.lines import Line, bullets
@@ -235,7 +235,7 @@ class _Player:
                 action = with_arguments[index]
                 example = self.game.agents.actions[index]
                 meaning = self._meaning(action.name, action.name)
-                lines.append(f"- {declared(action)}, such as {example}: {meaning}")
+                lines.append(f"- {_declared(action)}, such as {example}: {meaning}")
             elif index not in numbers:
                 lines.append(f"- {name}: {self._meaning(name, index)}")
         lines += [f"- {self._forbidden(forbid)}" for forbid in self.game.agents.forbids]
@@ -393,6 +393,16 @@ MOVES = (
     "several who would enter one cell one does, by lot; a cell can be entered while its agent "
     "leaves it, not while it stays"
 )
+
+
+def _declared(action: ir.ActionWithArguments) -> str:
+    """Returns `offer(apples, pears) with apples (0 to 1) and pears (0 to 2)`."""
+    names = [one.name or "x" for one in action.arguments]
+    values = [
+        f"{name} ({'an agent' if one.type.kind == 'agent' else _values(one.type)})"
+        for name, one in zip(names, action.arguments, strict=True)
+    ]
+    return f"{action.name}({', '.join(names)}) with {joined(values)}"
 
 
 def _argument_names(forbid: ir.Forbid, names: list[str]) -> list[str]:
