@@ -1,18 +1,23 @@
 """`sjdsl doc`: prints all the rules of a game on a page, or what a player is told of them."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
 from sjdsl.cli.folders import require_folder_of
 from sjdsl.cli.game_file import open_game, variant_option
+from sjdsl.compiler import ir
+from sjdsl.compiler.lower import NotSupported, token_planes
 from sjdsl.doc import read_written, rule_sheet
 from sjdsl.files import write_whole
+from sjdsl.interpreter.observe import observe
+from sjdsl.interpreter.step import action_mask
 from sjdsl.library.checked_game import split_variants
-
-if TYPE_CHECKING:
-    from sjdsl.compiler import ir
+from sjdsl.library.parameters import param_values
+from sjdsl.told import Past, Window, message
+from sjdsl.told import told as told_text
+from sjdsl.trace.choices import Chosen, random_actions
+from sjdsl.trace.episode import play
 
 FIRST = 0  # the agent whose message is shown, if none is named; the seed of its episode
 
@@ -59,13 +64,10 @@ def command(
         click.echo(f"{output}  {len(text.splitlines())} lines")
 
 
-def _told_text(game: "ir.Game", agent: int | None, step: int | None) -> str:
+def _told_text(game: ir.Game, agent: int | None, step: int | None) -> str:
     """Returns what a player is told, and its message after some steps if they are given."""
-    from sjdsl.compiler.lower import NotSupported
-    from sjdsl.told import told
-
     try:
-        text = told(game, agent)
+        text = told_text(game, agent)
         if step is not None:
             shown = FIRST if agent is None else agent
             text += f"\n---- the message to agent {shown} after {step} steps\n\n"
@@ -75,19 +77,11 @@ def _told_text(game: "ir.Game", agent: int | None, step: int | None) -> str:
     return text
 
 
-def _message_after(game: "ir.Game", agent: int, steps: int) -> str:
+def _message_after(game: ir.Game, agent: int, steps: int) -> str:
     """Returns the message to an agent after so many steps in which all act at random.
 
     Raises ValueError if the episode is over by then.
     """
-    from sjdsl.compiler.lower import token_planes
-    from sjdsl.interpreter.observe import observe
-    from sjdsl.interpreter.step import action_mask
-    from sjdsl.library.parameters import param_values
-    from sjdsl.told import Past, Window, message
-    from sjdsl.trace.choices import Chosen, random_actions
-    from sjdsl.trace.episode import play
-
     params = param_values(game, {})
     past: list[Past] = []
 

@@ -157,7 +157,7 @@ class _Player:
             edge = "Nobody can leave the grid."
         lines = [
             f"At most one {self.naming.somebody} stands on a cell. {edge}",
-            "Kinds of cell:",
+            "Kinds of cell (all can be entered, unless it says so):",
         ]
         for kind in self.game.kinds:
             if kind.name in self.naming.all_kinds:

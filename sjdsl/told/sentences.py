@@ -199,6 +199,9 @@ class Speaker:
             return Line(f"each entry of {value} is added to that of {target}{self._limits(s)}")
         if isinstance(s.value, ir.Number) and s.value.value < 0:
             return Line(f"{target} falls by {number(-s.value.value)}{self._limits(s)}")
+        taken = _negative_of(s.value)
+        if taken is not None:
+            return Line(f"{target} falls by {self._text(taken)}{self._limits(s)}")
         return Line(f"{target} rises by {value}{self._limits(s)}")
 
     def _limits(self, s: ir.Add) -> str:
@@ -302,6 +305,17 @@ def one_cell(d: ir.Domain) -> ir.Expr | None:
     match d.where:
         case ir.Same(left=ir.Member(name=name), right=right) if name == d.var.name:
             return right if right.type.kind == "cell" else None
+        case _:
+            return None
+
+
+def _negative_of(e: ir.Expr) -> ir.Expr | None:
+    """Returns what a value is the negative of, as written; None for any other."""
+    match e:
+        case ir.Arithmetic(fn="neg", args=(part,)):
+            return part
+        case ir.Arithmetic(fn="*", args=(ir.Number(value=-1), part)):
+            return part
         case _:
             return None
 
