@@ -124,6 +124,9 @@ class _Player:
             f"You are an agent in a game on a grid. {who}",
             "Your score is the sum of your own rewards over the whole episode.",
         ]
+        authors_words = dict(game.about).get("player")
+        if authors_words is not None:
+            lines.append(authors_words)
         if game.trials is None:
             lines.append(f"An episode lasts {length} steps{self._may_end_early()}.")
         else:

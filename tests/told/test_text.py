@@ -121,6 +121,17 @@ def test_tactics_events_and_titles_are_not_told() -> None:
     assert "first trial" not in told(game("two_trees"))
 
 
+def test_the_author_can_say_more() -> None:
+    g = game("clean_up").model_copy(update={"about": (("player", "Be quick."), ("summary", "No."))})
+    assert "whole episode.\nBe quick.\nAn episode" in told(g)
+
+
+@pytest.mark.parametrize("name", ["mushrooms", "pd_arena", "chemistry"])
+def test_an_environment_is_told_as_its_game(name: str) -> None:
+    env = sjdsl.make(str(FILES[name]))
+    assert told(env) == told(env.game)
+
+
 def test_the_space_of_a_task_is_told() -> None:
     text = told(game("tasks"))
     assert "(233,280 ways, all equally likely)" in text  # 3 * 720 * 27 * 4
