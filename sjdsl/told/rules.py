@@ -30,7 +30,7 @@ Reply with one JSON object and nothing else:
 {"why": "at most 500 characters", "goal": "what you are after, at most 120 characters",
  "note": {"op": "none", "id": 0, "text": ""}, "action": "one of the actions"}
 - "action" is one of the names that stand under YOUR ACTIONS NOW. A reply that can't be read, or an
-  action that isn't allowed, counts as stay.
+  action that isn't allowed, counts as stay. Of longer texts, the rest is cut off.
 - You remember nothing but your notes and what a message says. "note" changes one note: "op" is
   "add" (with "text"), "replace" (with "id" and "text"), "delete" (with "id") or "none"."""
 
