@@ -21,3 +21,21 @@ def test_a_variant_has_a_sheet_of_its_own(sjdsl: Sjdsl) -> None:
     shown = sjdsl("doc", "orchard.sj", "--variant", "rich").out
     assert "variant `rich`" in shown
     assert "| `apple` | 2 | reward | 0 to 5 |" in shown
+
+
+def test_what_a_player_is_told(sjdsl: Sjdsl) -> None:
+    printed = sjdsl("doc", "orchard.sj", "--told", "--agent", "1", "--step", "2")
+    assert printed.status == 0
+    text, _, message = printed.out.partition("---- the message to agent 1 after 2 steps\n")
+    assert text.startswith("YOUR AIM\n")
+    assert "You are agent 1." in text
+    assert "2 ago: " in message
+    assert "3 ago: " not in message
+    assert "WHAT YOU SEE NOW:" in message
+
+
+def test_what_cannot_be_told_is_refused(sjdsl: Sjdsl) -> None:
+    assert "--agent and --step go with --told" in sjdsl("doc", "orchard.sj", "--agent", "1").err
+    assert "there is no 9" in sjdsl("doc", "orchard.sj", "--told", "--agent", "9").err
+    too_late = sjdsl("doc", "orchard.sj", "--told", "--step", "5000")
+    assert "the episode is over after" in too_late.err

@@ -1,0 +1,71 @@
+"""Reads the reply of a language model, a JSON object as `sjdsl.told` asks for."""
+
+import json
+from typing import Any
+
+from sjdsl.models.policy import STAY, Message, NoteEdit, Reply
+from sjdsl.near_names import meant
+
+LONGEST_WHY = 500  # characters; what is longer is cut, as the text says
+LONGEST_GOAL = 120
+EDITS = ("add", "replace", "delete")
+
+
+def read_reply(text: str, message: Message) -> Reply:
+    """Returns the reply that a text is; of one that can't be used, `stay` and what is wrong.
+
+    A wrong note doesn't invalidate the action.
+    """
+    try:
+        fields = json.loads(_without_fence(text))
+    except (json.JSONDecodeError, RecursionError):
+        return Reply(STAY, problem="your reply was no JSON object")
+    if not isinstance(fields, dict):
+        return Reply(STAY, problem="your reply was no JSON object")
+    why = _text(fields.get("why"))[:LONGEST_WHY]
+    goal = _text(fields.get("goal"))[:LONGEST_GOAL]
+    note, problem = _note(fields.get("note"))
+    action = fields.get("action")
+    if not isinstance(action, str) or action not in message.allowed:
+        return Reply(STAY, why, goal, note, _wrong_action(action, message))
+    return Reply(action, why, goal, note, problem)
+
+
+def _without_fence(text: str) -> str:
+    """Returns a reply without the fence of Markdown that models like to put around it."""
+    stripped = text.strip()
+    if stripped.startswith("```") and stripped.endswith("```") and "\n" in stripped:
+        return stripped[stripped.index("\n") : -3]
+    return stripped
+
+
+def _wrong_action(action: Any, message: Message) -> str:
+    if not isinstance(action, str):
+        return 'your reply had no "action" with the name of an action'
+    if action in message.actions:
+        return f"{action} was not allowed"
+    return f"there is no action {action!r}{meant(action, message.actions, those='')}"
+
+
+def _text(value: Any) -> str:
+    return value if isinstance(value, str) else ""
+
+
+def _note(value: Any) -> tuple[NoteEdit | None, str]:
+    """Returns the change of notes that a reply asks for, and what is wrong with it."""
+    if value is None:
+        return None, ""
+    if not isinstance(value, dict):
+        return None, "your note was no object"
+    if value.get("op", "none") == "none":
+        return None, ""
+    op = value["op"]
+    number = value.get("id", 0)
+    text = _text(value.get("text"))
+    if op not in EDITS:
+        return None, f'your note\'s "op" was none of {", ".join(EDITS)}'
+    if op != "add" and (not isinstance(number, int) or isinstance(number, bool) or number < 1):
+        return None, f'your note to {op} had no "id"'
+    if op != "delete" and not text:
+        return None, f'your note to {op} had no "text"'
+    return NoteEdit(op, 0 if op == "add" else number, text if op != "delete" else ""), ""

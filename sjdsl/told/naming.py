@@ -1,0 +1,96 @@
+"""What the names of a game stand for in its text: parameters by their values, and nouns."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import declared_field
+from sjdsl.doc.wording import joined, number
+
+SHORTEST = 3  # letters of a variable's name that can stand for a noun, such as `zapper`
+
+
+@dataclass(frozen=True)
+class Naming:
+    """A game and its parameters.
+
+    values: of each parameter: a number, a word, or nested tuples of them.
+    terms: the defines that the text explains once, so that elsewhere their names are enough.
+    """
+
+    game: ir.Game
+    values: Mapping[str, Any]
+    terms: frozenset[str] = field(default=frozenset())
+
+    @cached_property
+    def shapes(self) -> dict[str, ir.Shape]:
+        return {shape.name: shape for shape in self.game.shapes}
+
+    @cached_property
+    def all_kinds(self) -> frozenset[str]:
+        """The kinds of cell that are on the map."""
+        glyphs = set().union(*self.game.rows)
+        return frozenset(glyph.kind for glyph in self.game.glyphs if glyph.glyph in glyphs)
+
+    @property
+    def somebody(self) -> str:
+        """Who occupies cells: `agent`, or `agent or deer`."""
+        return joined(("agent", *(movers.name for movers in self.game.movers)), "or")
+
+    def kinds(self, kinds: tuple[str, ...]) -> str:
+        """Returns `soil cell`, `soil or sand cell`, or `cell` of any kind."""
+        if len(kinds) > 1 and self.all_kinds <= set(kinds):
+            return "cell"
+        others = sorted(self.all_kinds - set(kinds))
+        if len(kinds) > 2 and len(others) < len(kinds):
+            return f"cell other than {joined(others, 'or')}"
+        return f"{joined(kinds, 'or')} cell"
+
+    def noun(self, member: ir.Member, plural: bool = False) -> str:
+        """Returns `agent`, `deer` or `soil cell`."""
+        if member.sort.what == "cell":
+            noun = self.kinds(member.kinds)
+            return noun.replace("cell", "cells", 1) if plural else noun
+        return f"{member.sort.name}s" if plural else member.sort.name
+
+    def is_plain(self, member: ir.Member) -> bool:
+        """Returns whether a variable is called as what it is."""
+        if member.sort.what == "cell":
+            return member.kinds == (member.name,)
+        return member.name == member.sort.name
+
+    def introduced(self, member: ir.Member, plural: bool = False) -> str:
+        """Returns a variable where it is introduced: `soil cell`, `agent (the zapper)`."""
+        noun = self.noun(member, plural)
+        if self.is_plain(member):
+            return noun
+        if len(member.name) < SHORTEST:
+            return f"{noun} {member.name}"
+        return f"{noun} ({'each ' if plural else 'the '}{member.name})"
+
+    def refer(self, member: ir.Member) -> str:
+        """Returns a variable where it is used: `the soil`, `the zapper`, `agent a`, `cell x`."""
+        if len(member.name) < SHORTEST and not self.is_plain(member):
+            return f"{'cell' if member.sort.what == 'cell' else member.sort.name} {member.name}"
+        return f"the {member.name}"
+
+    def a_cell(self, kinds: tuple[str, ...]) -> str:
+        return article(self.kinds(kinds))
+
+    def field(self, read: ir.FieldRead) -> ir.VarField:
+        """Returns the declaration of the field that is read or written."""
+        return declared_field(self.game, read)
+
+    def action(self, action: int) -> str:
+        return self.game.agents.actions[action]
+
+
+def article(noun: str) -> str:
+    """Returns `a wall cell`, `an ore cell`."""
+    return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"
+
+
+def shown_value(value: float | str) -> str:
+    return value if isinstance(value, str) else number(value)

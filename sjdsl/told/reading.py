@@ -1,0 +1,191 @@
+"""How to read a window: what it covers, what is shown in it and how, and what isn't."""
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import kinds_by_glyph
+from sjdsl.compiler.lower.cell_appearance import COVERED
+from sjdsl.doc.wording import joined
+from sjdsl.told.phrases import English
+from sjdsl.told.relevance import Relevant
+from sjdsl.told.window import Window
+
+MOST_CODES = 40  # of a game whose text lists them; otherwise they stand in each message alone
+
+
+def reading(relevant: Relevant, window: Window, english: English) -> list[str]:
+    """Returns the lines on how to read the window."""
+    game = relevant.game
+    seen = game.window
+    lines = [
+        f"You see the cells from {seen.ahead} ahead of you to {seen.behind} behind, and from "
+        f"{seen.left} to your left to {seen.right} to your right.",
+        *_views(seen, english),
+        "The window turns with you: its top is the way you look. ME is you. ## is outside the grid.",
+    ]
+    if game.agents.number > 1:
+        lines.append(
+            "A^ A> Av A< are other agents: ^ looks the way you do, > to your right, v toward you, "
+            "< to your left."
+        )
+    if COVERED in window.codes and any(hidden.what == "content" for hidden in game.hidden):
+        lines.append("?? is hidden from you.")
+    codes = window.codes
+    whole = {o.kind for o in game.observables if o.what == "cell" and not o.field}
+    absent = {kind.name for kind in game.kinds} - english.naming.all_kinds - whole
+    if len(codes) <= MOST_CODES:
+        named = [
+            f"{code} {label}"
+            for label, code in codes.items()
+            if code not in ("##", "??") and label.split()[0] not in absent
+        ]
+        lines.append(f"Other codes: {'; '.join(named)}.")
+    else:
+        lines.append("Below each window is the meaning of its codes.")
+    lines += _planes(window)
+    conditions = _conditions(game, english)
+    if conditions:
+        lines.append("What is shown depends on the state so (the agent is you):")
+    lines += [f"- {text}." for text in conditions]
+    unseen = not_shown(relevant)
+    if unseen:
+        lines.append(f"You are not shown: {joined(unseen)}.")
+    return lines
+
+
+def _views(window: ir.Window, english: English) -> list[str]:
+    lines = []
+    for view in window.views:
+        who = "All others see"
+        if view.condition is not None:
+            who = f"An agent sees, if {english.text(view.condition)},"
+        lines.append(
+            f"- {who} from {view.ahead} ahead to {view.behind} behind, and from {view.left} to the "
+            f"left to {view.right} to the right; cells beyond look like ##."
+        )
+    return lines
+
+
+def _planes(window: Window) -> list[str]:
+    """Returns what is said below a window, with the values that it can have."""
+    lines = []
+    for plane in window.planes[2:]:
+        if plane.encoding == "number":
+            lines.append(f"- {plane.name}: 0 to {plane.high}")
+        elif plane.name != "marks":
+            lines.append(f"- {plane.name}: {', '.join(plane.labels)}")
+    if lines:
+        head = "Below the window stand (`agent.` is your own, `other.` of others in view):"
+        lines.insert(0, head)
+    marks = next((plane for plane in window.planes if plane.name == "marks"), None)
+    if marks is not None:
+        lines.insert(0, f"Marks of the last step are listed by stage: {joined(marks.labels)}.")
+    return lines
+
+
+def _conditions(game: ir.Game, english: English) -> list[str]:
+    """Returns how what is shown depends on the state, where a label or a condition says so."""
+    texts = []
+    for observable in game.observables:
+        name = _name(observable)
+        if observable.value is not None and not observable.labels:
+            value = english.text(observable.value)
+            if value != name:
+                texts.append(f"{name} is {value}")
+        labels: list[str] = []
+        for label in observable.labels:
+            if label.condition is None:
+                labels.append(f"{label.name} otherwise" if labels else f"always {label.name}")
+            else:
+                labels.append(f"{label.name} if {english.text(label.condition)}")
+        is_itself = not observable.field and labels == [f"always {observable.kind}"]
+        if labels and not is_itself:
+            texts.append(f"{name} is shown as {', '.join(labels)}")
+        if observable.hidden_when is not None:
+            texts.append(f"{name} is hidden if {english.text(observable.hidden_when)}")
+        if observable.shown_when is not None:
+            texts.append(f"{name} is shown only if {english.text(observable.shown_when)}")
+    for hidden in game.hidden:
+        what = "marks are" if hidden.what == "marks" else "what a cell is, is"
+        match hidden.on:
+            case "map":
+                texts.append(f"{what} never seen")
+            case "agents":
+                texts.append(f"{what} not seen where an agent stands")
+            case "cells":
+                when = "" if hidden.when is None else f" if {english.text(hidden.when)}"
+                texts.append(f"{what} not seen on {joined(hidden.kinds, 'or')} cells{when}")
+    return texts
+
+
+def _name(observable: ir.Observable) -> str:
+    match observable.what:
+        case "cell" | "mover":
+            owner = observable.kind
+        case "own":
+            owner = "agent"
+        case "other" | "everyone":
+            owner = observable.what
+        case "world":
+            owner = ""
+        case "heading":
+            owner = "other"
+    entry = "" if observable.word is None else f"[{observable.word.key}]"
+    name = f"{observable.field}{entry}"
+    return ".".join(filter(None, (owner, name)))
+
+
+def not_shown(relevant: Relevant) -> list[str]:
+    """Returns the fields that the rules speak of and no observation shows or tells of."""
+    game = relevant.game
+    shown = set()
+    for observable in game.observables:
+        if observable.what != "other":
+            shown.add((observable.sort.what, observable.sort.name, observable.field))
+        for node in ir.walk(observable):
+            if isinstance(node, ir.FieldRead):
+                shown |= {
+                    (node.held_by.what, name, node.name)
+                    for name in node.held_by.names or (node.held_by.name,)
+                }
+    return [
+        name if what == "world" else f"{owner}.{name}"
+        for what, owner, name in sorted(relevant.fields - shown)
+        if name not in ("heading", "", "row", "col", "index")
+        and _is_declared(what, owner, name, game)
+    ]
+
+
+def _is_declared(what: str, owner: str, name: str, game: ir.Game) -> bool:
+    fields = [*game.fields, *game.agents.fields]
+    fields += [field for kind in game.kinds for field in kind.fields]
+    fields += [field for movers in game.movers for field in movers.fields]
+    return any((f.held_by.what, f.held_by.name, f.name) == (what, owner, name) for f in fields)
+
+
+def map_lines(game: ir.Game, window: Window) -> list[str]:
+    """Returns the map in the window's codes, if every observation shows the whole of it."""
+    if not _shows_all(game):
+        return []
+    kinds = kinds_by_glyph(game)
+    labels = window.planes[0].labels
+    codes = {}
+    for glyph, kind in kinds.items():
+        label = next((label for label in labels if label.split()[0] == kind), None)
+        if label is None:
+            return []
+        codes[glyph] = ".." if window.codes[label] == ".." else f"{kind[:2]:<2}"
+    if len(set(codes.values())) < len(set(kinds.values())):
+        return []
+    legend = ", ".join(f"{codes[glyph]} {kind}" for glyph, kind in kinds.items())
+    rows = [" ".join(codes[glyph] for glyph in row) for row in game.rows]
+    return [f"North is up; here {legend}, whatever its state.", *rows]
+
+
+def _shows_all(game: ir.Game) -> bool:
+    """Returns whether every window covers the map, and nothing of it is hidden."""
+    reach = max(len(game.rows), len(game.rows[0])) - 1
+    if any(hidden.what == "content" for hidden in game.hidden):
+        return False
+    if any(observable.what == "cell" and not observable.field for observable in game.observables):
+        return False
+    windows: tuple[ir.Window | ir.View, ...] = (game.window, *game.window.views)
+    return all(min(w.ahead, w.behind, w.left, w.right) >= reach for w in windows)

@@ -1,0 +1,470 @@
+"""The text that a player is told before an episode: all rules of a game, in English."""
+
+from collections.abc import Mapping
+from typing import Any, assert_never
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import (
+    blocks_always,
+    body_sorts,
+    can_be_away,
+    task_space,
+)
+from sjdsl.compiler.lower.cell_appearance import token_planes
+from sjdsl.doc.actions import COMPASS, RELATIVE
+from sjdsl.doc.wording import joined, number
+from sjdsl.told.legal import has_built_in_moves
+from sjdsl.told.lines import Line, bullets
+from sjdsl.told.naming import Naming, shown_value
+from sjdsl.told.parameters import HasGame, defaults, parameters_of
+from sjdsl.told.phrases import English
+from sjdsl.told.reading import map_lines, reading
+from sjdsl.told.relevance import Relevant, relevant
+from sjdsl.told.sentences import Speaker
+from sjdsl.told.shapes import shape_lines
+from sjdsl.told.terms import explained, with_terms
+from sjdsl.told.window import Window
+
+REPLY = """\
+Reply with one JSON object and nothing else:
+{"why": "at most 500 characters", "goal": "what you are after, at most 120 characters",
+ "note": {"op": "none", "id": 0, "text": ""}, "action": "one of the actions"}
+- "action" is one of the names that stand under YOUR ACTIONS NOW. A reply that can't be read, or an
+  action that isn't allowed, counts as stay. Of longer texts, the rest is cut off.
+- You remember nothing but your notes and what a message says. "note" changes one note: "op" is
+  "add" (with "text"), "replace" (with "id" and "text"), "delete" (with "id") or "none"."""
+
+
+def told(env: HasGame | ir.Game, agent: int | None = None) -> str:
+    """Returns the text that a player is told before an episode.
+
+    It is made of the rules and of the parameters alone, so nothing that a state hides is in it.
+
+    Args:
+      env: an environment; or a game, with its default parameters.
+      agent: the number of the player; without one, the text doesn't say who it is.
+
+    Raises:
+      ValueError: there is no such agent, or the environment doesn't know its rules.
+      NotSupported: the compiler can't make observations of the game.
+    """
+    game: ir.Game | None = env if isinstance(env, ir.Game) else env.game
+    if game is None:
+        raise ValueError("this environment was made without its rules: pass one of `sjdsl.make`")
+    if agent is not None and not 0 <= agent < game.agents.number:
+        raise ValueError(f"agents are numbered 0 to {game.agents.number - 1}; there is no {agent}")
+    values = defaults(game) if isinstance(env, ir.Game) else parameters_of(env)
+    return rules_text(game, values, agent)
+
+
+def rules_text(game: ir.Game, values: Mapping[str, Any], agent: int | None) -> str:
+    """Returns the text on a game with these parameters."""
+    player = _Player(game, values)
+    sections = {
+        "YOUR AIM": player.aim(agent),
+        "THE WORLD": player.world(),
+        "ACTIONS": player.actions(),
+        "SHAPES": shape_lines(player.shapes, player.english),
+        "HOW A TRIAL BEGINS" if game.trials else "HOW AN EPISODE BEGINS": player.beginning(),
+        "WHAT HAPPENS IN A STEP": player.step(),
+        "TERMS": player.terms(),
+        "NUMBERS": player.tables(),
+        "YOUR WINDOW": reading(player.relevant, player.window, player.english),
+        "THE MAP": map_lines(game, player.window),
+        "YOUR REPLY": REPLY.splitlines(),
+    }
+    parts = ["\n".join([title, *lines]) for title, lines in sections.items() if lines]
+    return "\n\n".join(parts) + "\n"
+
+
+class _Player:
+    """Writes the sections of the text on one game."""
+
+    def __init__(self, game: ir.Game, values: Mapping[str, Any]) -> None:
+        self.relevant: Relevant = relevant(game)
+        self.game = self.relevant.game
+        self.window = Window(game, token_planes(game))
+        task = () if game.task is None else (game.task.draw,)
+        blocks = [block for kind in game.kinds for block in kind.blocks]
+        self.parts: tuple[ir.Node, ...] = (
+            *task,
+            self.game.start,
+            *self.game.schedule,
+            *self.game.agents.forbids,
+            *self.game.agents.blocks,
+            *blocks,
+            *self.game.observables,
+            *self.game.hidden,
+            self.game.window,
+        )
+        self.naming = with_terms(Naming(self.game, values), self.parts)
+        self.english = English(self.naming)
+        self.speaker = Speaker(self.english)
+
+    def _all(self, *classes: type[ir.Node]) -> list[ir.Node]:
+        nodes = (node for part in self.parts for node in ir.walk(part))
+        return [node for node in nodes if isinstance(node, classes)]
+
+    @property
+    def shapes(self) -> tuple[ir.Shape, ...]:
+        """The shapes that these rules speak of."""
+        names = {node.shape for node in self._all(ir.Near, ir.Mark)}  # type: ignore[attr-defined]
+        return tuple(shape for shape in self.game.shapes if shape.name in names)
+
+    def aim(self, agent: int | None) -> list[str]:
+        game = self.game
+        others = game.agents.number - 1
+        who = f"There are {game.agents.number} agents, numbered 0 to {others}."
+        if not others:
+            who = "You are the only agent."
+        elif agent is not None:
+            who += f" You are agent {agent}."
+        length = self.english.text(game.episode)
+        lines = [
+            f"You are an agent in a game on a grid. {who}",
+            "Your score is the sum of your own rewards over the whole episode.",
+        ]
+        authors_words = dict(game.about).get("player")
+        if authors_words is not None:
+            lines.append(authors_words)
+        if game.trials is None:
+            lines.append(f"An episode lasts {length} steps{self._may_end_early()}.")
+        else:
+            lines.append(
+                f"An episode has {game.trials.number} trials of {length} steps each"
+                f"{self._may_end_early()}. Steps are counted from 0 in each trial."
+            )
+            lines.append(f"Each trial begins anew, as said below{self._kept()}.")
+        return lines
+
+    def _may_end_early(self) -> str:
+        return ", unless a rule ends it earlier" if self._all(ir.End) else ""
+
+    def _kept(self) -> str:
+        trials = self.game.trials
+        assert trials is not None
+        kept = []
+        for field in trials.kept:
+            owner = field.held_by
+            name = field.name if owner.what == "world" else f"each {owner.name}'s {field.name}"
+            kept.append(name)
+        if self.game.task is not None:
+            kept += self.game.task.fields
+        if not kept:
+            return ""
+        return f", except that these keep the values they had: {joined(dict.fromkeys(kept))}"
+
+    def world(self) -> list[str]:
+        edge = "The edges of the grid are joined: who leaves it on one side comes in on the other."
+        if not self.game.wraps:
+            edge = "Nobody can leave the grid."
+        lines = [
+            f"At most one {self.naming.somebody} stands on a cell. {edge}",
+            "Kinds of cell (all can be entered, unless it says so):",
+        ]
+        for kind in self.game.kinds:
+            if kind.name in self.naming.all_kinds:
+                lines += self._kind(kind)
+        lines += listed(
+            "Each agent has a number, a cell (its row and col, counted from 0 in the north-west), a "
+            "heading (north, east, south or west)",
+            self._fields(self.game.agents.fields),
+            ", and",
+        )
+        for movers in self.game.movers:
+            lines += listed(
+                f"Movers: {movers.number} {movers.name}, who stand on cells as agents do and move as "
+                "the rules say",
+                self._fields(movers.fields),
+                "; each has",
+            )
+        fields = self._fields(self.game.fields)
+        return [*lines, *listed("The world has", fields, "")] if fields else lines
+
+    def _kind(self, kind: ir.Kind) -> list[str]:
+        parts = []
+        if blocks_always(kind):
+            parts.append("nobody can enter it")
+        for block in kind.blocks:
+            parts += self._block(block)
+        head = f"- {kind.name}: {'; '.join(parts)}" if parts else f"- {kind.name}"
+        return listed(head, self._fields(kind.fields, kind), "; has" if parts else ": has", "  ")
+
+    def _block(self, block: ir.Block) -> list[str]:
+        sorts = {sort.name: sort.name for sort in self.game.movers} | {"agents": "agent"}
+        is_always = block.condition is None
+        if block.what not in sorts or (block.what == "agents" and is_always):
+            return []
+        if is_always:
+            return [f"no {sorts[block.what]} can enter it"]
+        assert block.condition is not None
+        test = self.english.text(block.condition)
+        return [f"the {sorts[block.what]} that would enter it can't if {test}"]
+
+    def _fields(self, fields: tuple[ir.VarField, ...], kind: ir.Kind | None = None) -> list[str]:
+        """Returns the fields that matter, each with its values and its start."""
+        return [
+            self._field(field, kind)
+            for field in fields
+            if self.relevant.has(field) and field.name != "heading"
+        ]
+
+    def _field(self, field: ir.VarField, kind: ir.Kind | None) -> str:
+        by = "".join(f" for each {_entries(level)}" for level in field.type.by)
+        values = "a timer" if field.timer else _values(field.type)
+        starts = self._starts(field, kind)
+        return f"{field.name}{by} ({values}{starts})"
+
+    def _starts(self, field: ir.VarField, kind: ir.Kind | None) -> str:
+        if self.game.task is not None and field.name in self.game.task.fields:
+            return ""
+        starts = [field.start]
+        if kind is not None:
+            glyphs = set().union(*self.game.rows)
+            starts = [
+                dict(meaning.starts).get(field.name, field.start)
+                for meaning in self.game.glyphs
+                if meaning.kind == kind.name and meaning.glyph in glyphs
+            ]
+        texts = list(dict.fromkeys(_start(start, field) for start in starts))
+        return f"; {joined(texts, 'or')} at first"
+
+    def actions(self) -> list[str]:
+        lines = ["In each step every agent chooses one action, all at the same time:"]
+        with_arguments = {action.first: action for action in self.game.agents.with_arguments}
+        numbers = {n for action in self.game.agents.with_arguments for n in action.numbers}
+        for index, name in enumerate(self.game.agents.actions):
+            if index in with_arguments:
+                action = with_arguments[index]
+                example = self.game.agents.actions[index]
+                meaning = self._meaning(action.name, action.name)
+                lines.append(f"- {_declared(action)}, such as {example}: {meaning}")
+            elif index not in numbers:
+                lines.append(f"- {name}: {self._meaning(name, index)}")
+        lines += [f"- {self._forbidden(forbid)}" for forbid in self.game.agents.forbids]
+        if self.game.agents.forbids:
+            lines.append("The state before the step decides; what isn't allowed counts as stay.")
+        return lines
+
+    def _meaning(self, name: str, action: int | str) -> str:
+        meanings = []
+        if name in RELATIVE and has_built_in_moves(self.game):
+            meanings.append((RELATIVE if self.game.agents.relative else COMPASS)[name])
+        stages = [
+            turn.label
+            for turn in self.game.schedule
+            if isinstance(turn, ir.Phase) and _asks_for(action, turn)
+        ]
+        if stages:
+            meanings.append(f"see the stage{'s' if len(stages) > 1 else ''} {joined(stages)}")
+        return "; ".join(meanings) or "nothing"
+
+    def _forbidden(self, forbid: ir.Forbid) -> str:
+        actions = self.game.agents.actions
+        stay = actions.index("stay")
+        names = [actions[action] for action in forbid.actions if action != stay]
+        if forbid.names:
+            what = f"{forbid.action}({', '.join(_argument_names(forbid, names))})"
+        elif len(names) == len(actions) - 1 and len(names) > 1:
+            what = "Anything but stay"
+        else:
+            what = joined(names)
+        verb = "are" if not forbid.names and len(names) > 1 and "Anything" not in what else "is"
+        return f"{what} {verb} not allowed while {self.english.text(forbid.condition)}."
+
+    def beginning(self) -> list[str]:
+        lines = []
+        task = self.game.task
+        if task is not None:
+            lines.append(
+                f"When an episode begins, these are drawn ({task_space(task):,} ways, all equally "
+                "likely), and stay until it ends:"
+            )
+            draws = (s for s in task.draw.body if isinstance(s, ir.Draw))
+            lines += [
+                f"- {name}: {self.speaker.drawn(draw)}."
+                for name, draw in zip(task.fields, draws, strict=True)
+            ]
+        return [*lines, *bullets(self.speaker.block(self.game.start.body))]
+
+    def step(self) -> list[str]:
+        lines = [
+            "A step has these stages, one after the other. What a stage says holds for all it "
+            "speaks of at the same",
+            "time: its conditions are about the state when the stage begins, and its changes "
+            "appear when it ends.",
+        ]
+        for place, (title, sentences) in enumerate(self._stages(), 1):
+            lines += [f"{place}. {title}", *(f"  {line}" for line in bullets(sentences))]
+        return [*lines, *bullets(map(Line, self._notes()))]
+
+    def _stages(self) -> list[tuple[str, tuple[Line, ...]]]:
+        stages = []
+        for turn in self.game.schedule:
+            match turn:
+                case ir.Phase():
+                    sentences = self.speaker.block(turn.body)
+                    title = turn.label
+                case ir.Tick():
+                    sentences = self._tick()
+                    title = "tick"
+                case _:
+                    assert_never(turn)
+            if sentences:
+                stages.append((title, sentences))
+        return stages
+
+    def _tick(self) -> tuple[Line, ...]:
+        agents = [f for f in self.game.agents.fields if f.timer and self.relevant.has(f)]
+        others = [f for sort in self.game.movers for f in sort.fields]
+        others += [f for kind in self.game.kinds for f in kind.fields]
+        others += self.game.fields
+        timers = agents + [f for f in others if f.timer and self.relevant.has(f)]
+        lines = []
+        if timers:
+            names = joined(dict.fromkeys(timer.name for timer in timers))
+            lines.append(Line(f"the timers ({names}) that are above 0 fall by 1"))
+        if any(node.after is not None for node in self._all(ir.Send)):  # type: ignore[attr-defined]
+            lines.append(
+                Line(f"each {self.naming.somebody} that is away is one step nearer to its return")
+            )
+        return tuple(lines)
+
+    def _notes(self) -> list[str]:
+        """Returns how the rules are meant, as far as this game needs it."""
+        notes = []
+        sends = self._all(ir.Send)
+        if has_built_in_moves(self.game):
+            notes.append(MOVES)
+        if sends:
+            notes.append(
+                "a cell is free if nobody stood on it when the stage began; several who are sent "
+                "get different cells, by lot"
+            )
+        if any(can_be_away(self.game, sort) for sort in body_sorts(self.game)):
+            notes.append(
+                "who is away stands nowhere, sees nothing and does nothing; its fields stay, and "
+                "it can still get rewards"
+            )
+        if self._all(ir.Add):
+            notes.append(
+                "what is added to a number in one stage is summed first, then kept within its limits"
+            )
+        if self._all(ir.Chance, ir.Draw):
+            notes.append("every chance is drawn anew for each one that a rule is about, each step")
+        if self._all(ir.First):
+            notes.append(
+                'the "first" in a lane is the nearest to the agent that fits; others are passed '
+                "over"
+            )
+        if self._all(ir.Step):
+            notes.append("the number of finished steps is 0 in the first step")
+        if self._all(ir.At):
+            notes.append("x[a] is the entry of x for a")
+        return notes
+
+    def terms(self) -> list[str]:
+        return [f"- {text}." for text in explained(self.naming, self.parts)]
+
+    def tables(self) -> list[str]:
+        """Returns the tables that the rules read."""
+        names = {
+            node.name  # type: ignore[attr-defined]
+            for node in self._all(ir.ParamRef)
+            if node.type.by  # type: ignore[attr-defined]
+        }
+        return [
+            f"- {param.name}: {_table(self.naming.values[param.name], param.type.by)}"
+            for param in self.game.params
+            if param.name in names
+        ]
+
+
+def listed(head: str, fields: list[str], link: str, margin: str = "") -> list[str]:
+    """Returns a sentence on fields: in one line if they are few, else below each other."""
+    if not fields:
+        return [f"{head}." if link == ", and" or link == "; each has" else head]
+    if len(fields) <= FEW:
+        return [f"{head}{link} {joined(fields)}"]
+    return [f"{head}{link}:", *(f"{margin}- {field}" for field in fields)]
+
+
+FEW = 2  # fields that stand in one line
+MOVES = (
+    "moves: all agents move at once; a turn changes only the heading, a step only the cell; who "
+    "would step off the grid or onto a cell that it can't enter stays; two can't change places; of "
+    "several who would enter one cell one does, by lot; a cell can be entered while its agent "
+    "leaves it, not while it stays"
+)
+
+
+def _declared(action: ir.ActionWithArguments) -> str:
+    """Returns `offer(apples, pears) with apples (0 to 1) and pears (0 to 2)`."""
+    names = [one.name or "x" for one in action.arguments]
+    values = [
+        f"{name} ({'an agent' if one.type.kind == 'agent' else _values(one.type)})"
+        for name, one in zip(names, action.arguments, strict=True)
+    ]
+    return f"{action.name}({', '.join(names)}) with {joined(values)}"
+
+
+def _argument_names(forbid: ir.Forbid, names: list[str]) -> list[str]:
+    """Returns the arguments of a `forbid`: its names, fixed values, or `any`."""
+    values = [name[name.index("(") + 1 : -1].split(", ") for name in names]
+    texts = []
+    for place, name in enumerate(forbid.names):
+        seen = {value[place] for value in values}
+        texts.append(name or (seen.pop() if len(seen) == 1 else "any"))
+    return texts
+
+
+def _asks_for(action: int | str, phase: ir.Phase) -> bool:
+    nodes = ir.walk(phase)
+    return any(isinstance(n, ir.Chose | ir.ChoseWith) and n.action == action for n in nodes)
+
+
+def _values(type_: ir.Type) -> str:
+    """Returns what the values of a field are."""
+    match type_.kind:
+        case "word":
+            return joined(type_.words, "or")
+        case "int":
+            return f"{number(type_.low)} to {number(type_.high)}"
+        case "real":
+            return "a number"
+        case "agent":
+            return "an agent or nobody"
+        case "agents":
+            return "a set of agents"
+        case "cell":
+            return f"a cell of {joined(type_.kinds, 'or')}, or nowhere"
+        case "condition" | "mix" | "member":
+            raise AssertionError(type_)
+        case _:
+            assert_never(type_.kind)
+
+
+def _start(start: int | float | str | None, field: ir.VarField) -> str:
+    if start is None:
+        return {"agents": "empty", "cell": "nowhere"}.get(field.type.kind, "nobody")
+    return shown_value(start)
+
+
+def _entries(level: ir.Level) -> str:
+    match level.sort:
+        case "agent":
+            return "agent"
+        case "number":
+            return f"number from {level.names[0]} to {level.names[-1]}"
+        case "word":
+            return f"of {joined(level.names)}"
+
+
+def _table(value: Any, by: tuple[ir.Level, ...]) -> str:
+    """Returns a table: `raw: 3, cut: 1`."""
+    if not by:
+        return shown_value(value)
+    entries = [_table(entry, by[1:]) for entry in value]
+    if len(by) > 1:
+        entries = [f"({entry})" for entry in entries]
+    return ", ".join(f"{key}: {entry}" for key, entry in zip(by[0].keys, entries, strict=True))

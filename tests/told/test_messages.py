@@ -1,0 +1,165 @@
+"""Messages: what is in a window, what actions lead to, and that nothing hidden is told."""
+
+import random
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import pytest
+
+from sjdsl.compiler import ir
+from sjdsl.compiler.lower import token_planes
+from sjdsl.interpreter.observe import observe
+from sjdsl.interpreter.state import World, copied
+from sjdsl.interpreter.step import action_mask, reset, step
+from sjdsl.interpreter.threefry import Threefry
+from sjdsl.told import Past, Window, message
+from sjdsl.told.legal import action_lines
+from sjdsl.told.relevance import relevant
+
+from .corpus import GOLDEN, game
+
+Hide = Callable[[World, random.Random], None]
+
+
+def episode(
+    g: ir.Game, steps: int, seed: int = 0
+) -> Iterator[tuple[World, list[int], list[float]]]:
+    """Yields states with the actions and rewards that led to them; all act at random."""
+    params = {param.name: param.value for param in g.params}
+    chance = random.Random(seed)
+    world = reset(g, params, Threefry(seed, 0))
+    yield world, [], []
+    for number in range(steps):
+        actions = [chance.randrange(len(g.agents.actions)) for _ in range(g.agents.number)]
+        world, outcome = step(g, world, actions, params, Threefry(seed, number + 1))
+        if outcome.truncated or outcome.terminated:
+            return
+        yield world, actions, [float(reward) for reward in outcome.reward]
+
+
+def messages(g: ir.Game, steps: int, replace: Hide | None = None, seed: int = 0) -> str:
+    """Returns all messages of an episode; in each state, hidden fields are replaced first."""
+    window = Window(g, token_planes(g))
+    chance = random.Random(seed)
+    past: list[list[Past]] = [[] for _ in range(g.agents.number)]
+    texts = []
+    for world, actions, rewards in episode(g, steps):
+        for agent, action in enumerate(actions):
+            past[agent].append(Past(g.agents.actions[action], rewards[agent]))
+        shown = copied(world)
+        if replace is not None:
+            replace(shown, chance)
+        seen = observe(g, shown)
+        mask = action_mask(g, shown)
+        for agent in range(g.agents.number):
+            texts.append(message(window, seen[agent], mask[agent], past[agent], ["a note"]))
+    return "\n".join(texts)
+
+
+def of_two_trees(world: World, chance: random.Random) -> None:
+    world.cells["tree", "bears"] = chance.choices(["nothing", "fruit"], k=2)
+
+
+def of_tasks(world: World, chance: random.Random) -> None:
+    world.fields["pay"] = tuple(chance.sample(range(10), 3))
+    world.fields["order"] = tuple(chance.choices(["red", "green", "blue"], k=3))
+    world.fields["delay"] = chance.randrange(-1, 3)
+
+
+def of_coop_mining(world: World, chance: random.Random) -> None:
+    number = len(world.cells["rock", "left"])
+    world.cells["rock", "left"] = chance.choices(range(4), k=number)
+    world.cells["rock", "miners"] = [
+        frozenset(chance.sample(range(6), chance.randrange(4))) for _ in range(number)
+    ]
+
+
+HIDDEN = {"two_trees": of_two_trees, "tasks": of_tasks, "coop_mining": of_coop_mining}
+
+
+@pytest.mark.parametrize("name", HIDDEN)
+def test_no_message_depends_on_what_is_hidden(name: str) -> None:
+    steps = 4 if name == "coop_mining" else 9
+    plain = messages(game(name), steps)
+    for seed in range(20):
+        assert messages(game(name), steps, HIDDEN[name], seed) == plain
+
+
+def test_a_message_depends_on_what_is_shown() -> None:
+    """The test above could tell: here a field that is shown is replaced."""
+
+    def of_feeding(world: World, chance: random.Random) -> None:
+        world.fields["feeding"] = chance.choice(["green", "blue"])
+
+    assert messages(game("tasks"), 3, of_feeding) != messages(game("tasks"), 3)
+    laden = messages(game("two_trees+told"), 3, of_two_trees, seed=1)
+    assert laden != messages(game("two_trees+told"), 3, of_two_trees, seed=2)
+
+
+PLAYED = ["clean_up", "clean_up+socialjax", "reputation", "ferry", "two_trees", "predator_prey"]
+
+
+@pytest.mark.parametrize(
+    "name", [*PLAYED, "coop_mining+socialjax", "running_with_scissors_in_the_matrix"]
+)
+def test_what_is_left_out_changes_nothing(name: str) -> None:
+    """The rules that are told give the same observations, rewards and masks as all rules."""
+    told_rules = relevant(game(name)).game
+    for (full, _, gains), (told, _, told_gains) in zip(
+        episode(game(name), 12), episode(told_rules, 12), strict=True
+    ):
+        np.testing.assert_array_equal(observe(game(name), full), observe(told_rules, told))
+        assert gains == told_gains
+        assert action_mask(game(name), full) == action_mask(told_rules, told)
+
+
+@pytest.mark.parametrize("name", ["clean_up", "territory", "ferry", "collaborative_cooking"])
+def test_the_grid_says_what_the_planes_say(name: str) -> None:
+    """Read back, its codes are the content of each cell without anybody on it."""
+    g = game(name)
+    window = Window(g, token_planes(g))
+    labels = {code: label for label, code in window.codes.items()}
+    assert len(labels) == len(window.codes)
+    *_, (world, _, _) = episode(g, 6)
+    for seen in observe(g, world):
+        height, width = seen.shape[1:]
+        rows = window.text(seen).splitlines()[1 : height + 1]
+        for row, line in enumerate(rows):
+            for col, code in enumerate(line.split()[-width:]):
+                content = window.planes[0].labels[seen[0, row, col]]
+                assert code in ("ME", "A^", "A>", "Av", "A<", "bo") or labels[code] == content
+
+
+def test_a_step_leads_to_what_it_says() -> None:
+    """Alone and without growth: what `forward -> …` names is under the agent after it."""
+    g = game("two_trees")
+    window = Window(g, token_planes(g))
+    params = {param.name: param.value for param in g.params}
+    checked = 0
+    for world, _, _ in episode(g, 40):
+        seen = observe(g, world)[0]
+        allowed = action_mask(g, world)[0]
+        for line in action_lines(window, seen, allowed):
+            name, arrow, end = line.partition(" -> ")
+            if arrow:
+                after, _ = step(g, world, [g.agents.actions.index(name)], params, Threefry(5, 0))
+                if world.fields["trial"] == after.fields["trial"]:
+                    place = (after.position[0] == world.position[0], end.startswith("blocked"))
+                    assert place in ((True, True), (False, False))
+                    under = observe(g, after)[0]
+                    here = window.content(under, window.own_place(under))
+                    assert end in (here, "blocked, outside")
+                    checked += 1
+    assert checked > 50
+
+
+def test_who_is_away_sees_nothing() -> None:
+    g = game("predator_prey")
+    window = Window(g, token_planes(g))
+    nothing = np.zeros((len(window.planes), 11, 11), np.uint8)
+    assert window.text(nothing) == "You are away: you see nothing."
+
+
+def test_a_message_is_as_it_was(golden) -> None:
+    texts = messages(game("two_trees"), 2), messages(game("territory"), 1)
+    golden(GOLDEN / "messages.txt", "\n=====\n".join(texts))

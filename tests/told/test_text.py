@@ -1,0 +1,158 @@
+"""The text that a player is told: every name that it may know is in it, and no rule as written."""
+
+import re
+import subprocess
+import sys
+
+import pytest
+
+import sjdsl
+from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import all_fields
+from sjdsl.compiler.lower import token_planes
+from sjdsl.told import told
+from sjdsl.told.naming import Naming
+from sjdsl.told.phrases import English
+from sjdsl.told.relevance import relevant
+from sjdsl.told.sentences import Speaker
+
+from .corpus import CASES, FILES, GOLDEN, game, variants
+
+# Fields that only metrics or policies read, or no rule of that variant.
+UNTOLD = {
+    *("clean_up+socialjax clean_at_first", "gift_refinement+socialjax refined"),
+    *("reputation patient", "reputation+village patient"),
+    *("bach_or_stravinsky_in_the_matrix badge", "pure_coordination_in_the_matrix badge"),
+    *("rationalizable_coordination_in_the_matrix badge",),
+    *("running_with_scissors_in_the_matrix+one_shot badge",),
+    *("running_with_scissors_in_the_matrix+one_shot young",),
+    *(
+        f"{name}_in_the_matrix+repeated badge"
+        for name in (
+            *("bach_or_stravinsky", "chicken", "prisoners_dilemma", "pure_coordination"),
+            *("rationalizable_coordination", "running_with_scissors", "stag_hunt"),
+        )
+    ),
+}
+# What the language writes and English doesn't: `x == y`, `0 .. 9`, `set x`, Python's values.
+AS_WRITTEN = re.compile(
+    r"[=!<>]=|[^.]\.\. |[{}]| = "
+    r"|\bTrue\b|\bFalse\b|\bNone\b|\binf\b|object at|\(\)|[a-z]  +[a-z]|[,;:.][,;:.]"
+)
+
+
+def names_of(g: ir.Game) -> set[str]:
+    """Returns the names of what is on the map, of all fields, words, actions, shapes and planes."""
+    glyphs = set("".join(g.rows))
+    kinds = {meaning.kind for meaning in g.glyphs if meaning.glyph in glyphs}
+    found = kinds | {movers.name for movers in g.movers}
+    found |= {shape.name for shape in g.shapes}
+    found |= {action.partition("(")[0] for action in g.agents.actions}
+    found |= {param.name for param in g.params if param.type.by}
+    for field in all_fields(g):
+        if field.held_by.what != "cell" or field.held_by.name in kinds:
+            found |= {field.name, *field.type.words}
+    for plane in token_planes(g)[2:]:
+        found |= {*plane.labels}
+        found |= {plane.name} - {"marks"}
+    for label in token_planes(g)[0].labels:
+        kind, *states = label.split()
+        found |= {state.partition("=")[2] for state in states if kind in kinds}
+    return found
+
+
+def check_names(name: str) -> None:
+    text = told(game(name))
+    words = set(re.findall(r"\w+", text))
+    absent = {one for one in names_of(game(name)) if one not in words and one not in text}
+    assert {f"{name} {one}" for one in absent} <= UNTOLD
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_every_name_that_a_player_may_know_is_told(name: str) -> None:
+    check_names(name)
+
+
+@pytest.mark.thorough
+def test_every_name_is_told_in_each_variant() -> None:
+    for name in variants():
+        check_names(name)
+
+
+@pytest.mark.parametrize("name", [*FILES, *CASES])
+def test_no_rule_is_told_as_it_is_written(name: str) -> None:
+    if name in CASES and not game(name).observables and not game(name).window:
+        return
+    text = told(game(name)).partition("YOUR WINDOW")[0]
+    before, _, after = text.partition("SHAPES\n")
+    text = before + after.partition("\n\n")[2]  # its pictures have points
+    found = [text[max(0, m.start() - 40) : m.end() + 40] for m in AS_WRITTEN.finditer(text)]
+    assert found == []
+
+
+def test_every_statement_has_a_sentence() -> None:
+    """Of all statements that matter to a player; none is told as written."""
+    silent = []
+    for name in FILES:
+        g = relevant(game(name)).game
+        values = {param.name: param.value for param in g.params}
+        speaker = Speaker(English(Naming(g, values)))
+        for phase in (g.start, *g.schedule):
+            for node in ir.walk(phase):
+                if isinstance(node, ir.Statement) and not speaker.lines(node):
+                    silent.append(f"{name} {type(node).__name__}")
+    assert silent == []
+
+
+def test_numbers_are_those_of_the_environment() -> None:
+    env = sjdsl.make("clean_up", params={"apple": 2.5, "length": 70})
+    text = told(env, agent=6)
+    assert "the agent gets a reward of 2.5" in text
+    assert "An episode lasts 70 steps." in text
+    assert "You are agent 6." in text
+    with pytest.raises(ValueError, match="numbered 0 to 6; there is no 7"):
+        told(env, agent=7)
+
+
+def test_tactics_events_and_titles_are_not_told() -> None:
+    text = told(game("clean_up"))
+    for word in ("cooperator", "defector", "eaten", "cleaned", "Clean Up", "commons", "residents"):
+        assert word not in text
+    assert "first trial" not in told(game("two_trees"))
+
+
+def test_the_author_can_say_more() -> None:
+    g = game("clean_up").model_copy(update={"about": (("player", "Be quick."), ("summary", "No."))})
+    assert "whole episode.\nBe quick.\nAn episode" in told(g)
+
+
+@pytest.mark.parametrize("name", ["mushrooms", "pd_arena", "chemistry"])
+def test_an_environment_is_told_as_its_game(name: str) -> None:
+    env = sjdsl.make(str(FILES[name]))
+    assert told(env) == told(env.game)
+
+
+def test_the_space_of_a_task_is_told() -> None:
+    text = told(game("tasks"))
+    assert "(233,280 ways, all equally likely)" in text  # 3 * 720 * 27 * 4
+    assert "pay: for each of red, green and blue a whole number from 0 to 9" in text
+    assert "no two the same" in text
+
+
+def test_an_unknown_expression_is_refused() -> None:
+    class New(ir.Expression):
+        type: ir.Type
+
+    english = English(Naming(game("clean_up"), {}))
+    with pytest.raises(AssertionError, match="Expected code to be unreachable"):
+        english.text(New(type=ir.Type(kind="int")))  # type: ignore[arg-type]
+
+
+def test_nothing_of_jax_is_loaded() -> None:
+    code = "import sys, sjdsl.told; sys.exit('jax' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_a_text_is_as_it_was(golden) -> None:
+    golden(GOLDEN / "clean_up.txt", told(game("clean_up"), agent=0))
+    golden(GOLDEN / "two_trees.txt", told(game("two_trees"), agent=0))
