@@ -89,7 +89,7 @@ class English(Analysis[Phrase]):
 
     def constant(self, e: ir.Expr) -> str | None:
         """Returns a number or word that the parameters decide; None for all else."""
-        if e.type.by or e.type.kind not in ("int", "real", "word"):
+        if e.type.indexed_by or e.type.kind not in ("int", "real", "word"):
             return None
         if isinstance(e, ir.Named) and e.name.startswith("count("):
             return None
@@ -222,7 +222,7 @@ class English(Analysis[Phrase]):
     def _lowest(self, e: ir.Lowest) -> Phrase:
         row = fold(e.row, self).operand
         which = "last" if e.last else "first"
-        names = e.row.type.by[0].names
+        names = e.row.type.indexed_by[0].names
         otherwise = names[-1] if e.last else names[0]
         text = f"the {which} of {joined(names)} whose entry in {row} is above 0"
         return Phrase(f"{text}, or {otherwise} if none is")

@@ -210,7 +210,7 @@ class _Player:
         ]
 
     def _field(self, field: ir.VarField, kind: ir.Kind | None) -> str:
-        by = "".join(f" for each {_entries(level)}" for level in field.type.by)
+        by = "".join(f" for each {_entries(level)}" for level in field.type.indexed_by)
         values = "a timer" if field.timer else _values(field.type)
         starts = self._starts(field, kind)
         return f"{field.name}{by} ({values}{starts})"
@@ -371,10 +371,10 @@ class _Player:
         names = {
             node.name  # type: ignore[attr-defined]
             for node in self._all(ir.ParamRef)
-            if node.type.by  # type: ignore[attr-defined]
+            if node.type.indexed_by  # type: ignore[attr-defined]
         }
         return [
-            f"- {param.name}: {_table(self.naming.values[param.name], param.type.by)}"
+            f"- {param.name}: {_table(self.naming.values[param.name], param.type.indexed_by)}"
             for param in self.game.params
             if param.name in names
         ]
@@ -451,7 +451,7 @@ def _start(start: int | float | str | None, field: ir.VarField) -> str:
 
 
 def _entries(level: ir.Level) -> str:
-    match level.sort:
+    match level.kind:
         case "agent":
             return "agent"
         case "number":

@@ -60,6 +60,8 @@ class Speaker:
                 return [self._send(s)]
             case ir.Shift():
                 return [self._shift(s)]
+            case ir.Face():
+                return [Line(f"{self._text(s.who)} turns to face {self._text(s.heading)}")]
             case ir.Remove():
                 return [Line(f"{self._text(s.who)} is taken away until the end")]
             case ir.Move():
@@ -94,7 +96,7 @@ class Speaker:
         text = self._one_drawn(s)
         if s.by is None:
             return text
-        if s.by.sort == "agent":
+        if s.by.kind == "agent":
             entries = "agent"
         else:
             entries = f"of {joined(s.by.names)}"
@@ -180,7 +182,7 @@ class Speaker:
 
     def _set(self, s: ir.Set) -> Line:
         target = self._text(s.target)
-        if s.target.type.by and not s.value.type.by:
+        if s.target.type.indexed_by and not s.value.type.indexed_by:
             target = f"every entry of {target}"
         value = self._text(s.value)
         if s.target.type.kind == "agents" and isinstance(s.value, ir.Nobody):
@@ -195,7 +197,7 @@ class Speaker:
         value = self._text(s.value)
         if s.target.type.kind == "agents":
             return Line(f"{value} joins {target}")
-        if s.value.type.by:
+        if s.value.type.indexed_by:
             return Line(f"each entry of {value} is added to that of {target}{self._limits(s)}")
         if isinstance(s.value, ir.Number) and s.value.value < 0:
             return Line(f"{target} falls by {number(-s.value.value)}{self._limits(s)}")

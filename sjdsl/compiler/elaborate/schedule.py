@@ -53,7 +53,7 @@ def starting(game: Composition, scope: Scope) -> tuple[ir.Phase, ...]:
     for name, phase in game.phases.items():
         if name == "start" or phase.at is None:
             continue
-        with scope.problems.survive():
+        with scope.problems.skip_if_broken():
             if phase.at.text != "start":
                 fix = Fix(phase.at.span, "start")
                 help_ = "write `at start`: such a phase is played when an episode begins"

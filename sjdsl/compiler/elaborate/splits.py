@@ -37,18 +37,18 @@ def with_splits(task: ir.Task, game: Composition, scope: Scope) -> ir.Task:
     static = scope.static
     for split in _written(game):
         if split.task.text != task.name:
-            with scope.problems.survive():
+            with scope.problems.skip_if_broken():
                 raise scope.problems.unknown(split.task, [task.name], "the task")
     before = len(scope.problems.diagnostics)
     hold_outs = []
     for split in game.held_out.values():
         static.refer(split.name, Symbol("split", split.name.text))
-        with scope.problems.survive():
+        with scope.problems.skip_if_broken():
             hold_outs.append(_hold_out(split, task, scope))
     if len(scope.problems.diagnostics) > before:
         return task
     task = task.model_copy(update={"hold_outs": tuple(hold_outs)})
-    with scope.problems.survive():
+    with scope.problems.skip_if_broken():
         _check_sides(task, scope)
         if game.train_on is not None:
             task = task.model_copy(update={"train_on": _train_on(game.train_on, task, scope)})

@@ -88,7 +88,7 @@ def _read(e: Node) -> Iterator[TaskPart]:
     match e:
         case At(row=FieldRead() as row, key=Word() | Number() as key):
             written = key.value if isinstance(key, Word) else int(key.value)
-            yield TaskPart(field=row.name, place=row.type.by[0].place_of(written))
+            yield TaskPart(field=row.name, place=row.type.indexed_by[0].place_of(written))
         case FieldRead():
             yield TaskPart(field=e.name)
         case _:
