@@ -259,9 +259,9 @@ def _phase(
         assert not writes.sends, f"`{phase.label}` moves and sends"
         move(writes.sort, writes.movers or {}, writes.courses, instance, world)
     headings: dict[int, str] = {}
-    for turning, heading in writes.turns:
-        assert headings.setdefault(turning, heading) == heading, f"agent {turning} turns two ways"
-        world.heading[turning] = HEADINGS.index(heading)
+    for turned, heading in writes.turns:
+        assert headings.setdefault(turned, heading) == heading, f"agent {turned} turns two ways"
+        world.heading[turned] = HEADINGS.index(heading)
     send(phase.name, writes.sends if sends else [], instance, world)
     for agent in writes.removes:
         assert agent not in {s.agent for s in writes.sends}, f"agent {agent} is sent and removed"

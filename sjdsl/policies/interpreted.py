@@ -141,7 +141,12 @@ def _closed_cells(instance: Instance) -> Iterator[Cell]:
     for cell, name in instance.board.kind_of.items():
         kind = instance.board.kinds[name]
         seen = instance.only({kind.name: cell, "agent": agent})
-        if any(closes_paths(block) and evaluate(block.condition, seen) for block in kind.blocks):
+        conditions = [
+            block.condition
+            for block in kind.blocks
+            if block.condition is not None and closes_paths(block)
+        ]
+        if any(evaluate(condition, seen) for condition in conditions):
             yield cell
 
 

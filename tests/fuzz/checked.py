@@ -140,6 +140,9 @@ def observe(w: World) -> list[Lines]:
         for f in kind.fields:
             made = _observable(w, kind.name, f, f"{kind.name}.{f.name}") if w.is_now(0.3) else ""
             lines += [made] if made else []
+    if w.is_now(0.15):
+        sometimes = f" when {_test(w, 'other')}" if w.is_now(0.6) else ""
+        lines.append(f"hide other.heading{sometimes}")
     lines += [
         f"hide {what}"
         for what in ("marks", "marks on agents", "content on agents")

@@ -340,7 +340,9 @@ def _to_be_sent(scope: Scope, phase: Phase) -> Variable | None:
     w = scope.world
     if scope.sort == "start" or (phase.written.places and not w.is_now(2 * BOLD)):
         return None
-    able = [v for v in (*scope.agents(), *scope.movers()) if is_own(v, scope) or w.is_now(0.5)]
+    turned = ("agent", "", "heading") in phase.written.fields  # agents, who can't be sent as well
+    agents = () if turned and not w.is_now(BOLD) else scope.agents()
+    able = [v for v in (*agents, *scope.movers()) if is_own(v, scope) or w.is_now(0.5)]
     return w.random.choice(able) if able else None
 
 

@@ -50,7 +50,8 @@ def write(scope: Scope, written: Written, depth: int) -> Lines:
     options: list[tuple[Variable | None, Field, str]] = [(None, f, f.name) for f in w.fields]
     for v in scope.variables:
         fields = w.cell_fields(v.kinds) if v.kinds else w.fields_of(v.sort)
-        turns = bool(v.sort) or (not v.kinds and scope.sort != "start" and w.is_now(0.3))
+        may_turn = not v.kinds and scope.sort != "start" and not written.places
+        turns = bool(v.sort) or (may_turn and w.is_now(0.3))
         fields = [*fields, HEADING] if turns else fields
         options += [(v, f, f"{v.name}.{f.name}") for f in fields]
     held = [Variable(text) for text in scope.sure] if w.is_now(0.3) else []

@@ -48,6 +48,7 @@ def other_game(game: ir.Game, s: Symmetry) -> ir.Game:
                 "movers": tuple(_movers(rewrite(movers, rule), s) for movers in game.movers),
                 "shapes": tuple(_shape(shape, s) for shape in game.shapes),
                 "start": _start(game.start, s, game),
+                "starting": tuple(rewrite(phase, rule) for phase in game.starting),
                 "schedule": tuple(rewrite(turn, rule) for turn in game.schedule),
                 "window": _mirrored(rewrite(window, rule)) if s.mirror else rewrite(window, rule),
                 "observables": tuple(rewrite(observable, rule) for observable in game.observables),
@@ -84,7 +85,7 @@ def _rule(s: Symmetry, game: ir.Game, headings: bool = True) -> Callable[[Any], 
                 return node.model_copy(
                     update={"target": heading, "value": _changed_heading(node.value, s)}
                 )
-            case ir.Along():
+            case ir.Along() | ir.Face():
                 return node.model_copy(update={"heading": _changed_heading(node.heading, s)})
             case ir.Attribute(name="index") if (
                 list(s.order) != sorted(s.order) and body_sort(node.owner).what == "agent"
@@ -108,13 +109,16 @@ def _rule(s: Symmetry, game: ir.Game, headings: bool = True) -> Callable[[Any], 
                     update={"actions": tuple(sorted(s.number(a, game) for a in node.actions))}
                 )
             case ir.Send():
-                return node.model_copy(update={"facing": s.facing(node.facing)})
+                way = None if node.way is None else _changed_heading(node.way, s)
+                return node.model_copy(update={"facing": s.facing(node.facing), "way": way})
             case ir.Shift():
                 heading = None if node.heading is None else _changed_heading(node.heading, s)
+                way = None if node.way is None else _changed_heading(node.way, s)
                 quarters = -node.quarters % 4 if s.mirror else node.quarters
                 return node.model_copy(
                     update={
                         "facing": s.facing(node.facing),
+                        "way": way,
                         "heading": heading,
                         "quarters": quarters,
                     }

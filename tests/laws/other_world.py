@@ -13,8 +13,8 @@ from tests.laws.symmetry import Symmetry
 
 CLOSE = {"rtol": 1e-5, "atol": 1e-5}  # sums of reals are added in another order
 MIRRORED = np.array(
-    [0, 1, 2, 5, 4, 3], np.uint8
-)  # of the plane of agents: who is turned right is turned left
+    [0, 1, 2, 5, 4, 3, 6], np.uint8
+)  # of the plane of agents: who is turned right is turned left; the last shows no heading
 MIRRORED_MOVER = np.array(
     [0, 1, 4, 3, 2, 5], np.uint8
 )  # of a plane of the headings of movers; the last is hidden

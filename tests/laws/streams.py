@@ -36,7 +36,7 @@ class Stream:
 def streams(game: ir.Game) -> dict[int, Stream]:
     """Returns every stream that a step or a reset can draw from."""
     found: dict[int, Stream] = {}
-    for turn in (game.start, *game.schedule):
+    for turn in (game.start, *game.starting, *game.schedule):
         if isinstance(turn, ir.Phase):
             _block(turn.body, (), board_of(game), found)
     return found

@@ -13,6 +13,7 @@ from tests.laws.corpus import FEW, game_of, random_games
 from tests.laws.obeyed import trials
 from tests.laws.symmetry import Symmetry, turns
 
+CASES = Path(__file__).parents[1] / "cases"
 SENDS = Path(__file__).parents[1] / "differential" / "games"
 
 
@@ -48,6 +49,14 @@ def test_movers() -> None:
     """Movers that flee, hunt, roll, ride and drift do so to the other side; what they draw among cells beside them turns with the map."""
     game = build(read_source(SENDS / "movers.sj")).game
     tried = trials([(name, game) for name in range(2)], any_turn, steps=6, compiled=True)
+    assert not tried.fault
+    assert tried.steps >= 10
+
+
+def test_headings_that_rules_compute() -> None:
+    """Whom a rule turns, or sends with a computed heading, it turns with the map; so do phases with which an episode begins."""
+    game = build(read_source(CASES / "headings.sj")).game
+    tried = trials([(name, game) for name in range(3)], any_turn, steps=8, compiled=False)
     assert not tried.fault
     assert tried.steps >= 10
 
