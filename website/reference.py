@@ -23,6 +23,8 @@ MODULES = {  # what has names that users import -> what the page is about
     "sjdsl.trace": "Traces",
     "sjdsl.properties": "Checks",
     "sjdsl.doc": "Rules on a page",
+    "sjdsl.told": "What players are told",
+    "sjdsl.models": "Language models",
     "sjdsl.bench": "Benchmarks",
     "sjdsl.interop.jaxmarl": "JaxMARL",
     "sjdsl.interop.socialjax": "SocialJax",

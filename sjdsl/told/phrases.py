@@ -292,7 +292,11 @@ class English(Analysis[Phrase]):
                 high = fold(e.high, self).operand
                 return self._about(e.value, f"is from {low} to {high}", "is", "is not")
             case ir.InWords():
-                return self._about(e.value, f"is {joined(e.words, 'or')}", "is", "is not")
+                thing = fold(e.value, self).operand
+                denies = f"is not {e.words[0]}"
+                if len(e.words) > 1:
+                    denies = f"is neither {joined(e.words, 'nor')}"
+                return _clause(thing, f"is {joined(e.words, 'or')}", denies, e.value)
             case ir.InSet():
                 container = fold(e.container, self).text
                 return self._about(e.value, f"is one of {container}", "is", "is not")

@@ -231,16 +231,16 @@ class Speaker:
             goal = f"a random free {self.english.members(s.domain, is_named=False)}"
         else:
             goal = self._text(cell)
-        goal += _facing(s.facing)
+        facing = _facing(s.facing)
         constant = None if s.after is None else self.english.constant(s.after)
         if s.after is None or constant == "0":
             stay = "; it stays where it is if none is free" if s.stay else ""
-            return Line(f"{who} goes to {goal}{stay}")
+            return Line(f"{who} goes to {goal}{facing}{stay}")
         wait = f"{self._operand(s.after)} steps"
         if constant is not None:
             wait = counted(float(constant), "step")
         stay = " as soon as one is free" if s.stay else ""
-        return Line(f"{who} is away for {wait}, then comes back to {goal}{stay}")
+        return Line(f"{who} is away for {wait}, then comes back to {goal}{stay}{facing}")
 
     def _shift(self, s: ir.Shift) -> Line:
         who = self._text(s.who)

@@ -1,0 +1,74 @@
+"""Sentences of single rules, compared with what a reader would expect: written by hand."""
+
+import pytest
+
+from sjdsl.compiler import build
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.told import told
+
+FRAME = """sj 1
+game one "One rule" {
+  param cost : reward = -0.5
+  param luck : probability = 0.25
+  episode 100
+  kind grass "."
+  kind tree "T" { field fruit : { none, ripe, old } = ripe  field owner : agent }
+  group ground = grass, tree
+  map { "...." "TTTT" }
+  agents 3 {
+    acts turn_left, turn_right, forward, stay, zap
+    moves relative
+    field bag : 0 .. 9 capped = 0
+    field friends : set of agent
+  }
+  movers deer 1 "d"
+  shape beam = line(2)
+  phase start { each agent { send agent to ground facing north } each deer { send deer to ground } }
+  schedule rule -> pay
+  phase rule { %s }
+  phase pay { each agent as x { give 1 to x.friends } }
+  observe { window ahead 2, behind 1, left 1, right 1  show agent.bag }
+  metrics { event counted }
+}
+"""
+SENTENCES = {
+    "each agent on tree where tree.fruit is old and agent.bag > 2 { give cost to agent }": (
+        "Each agent whose bag is more than 2, on a tree cell whose fruit is old: the agent gets a "
+        "reward of -0.5."
+    ),
+    "each tree where not (tree.fruit in { none, old }) { set tree.fruit = none }": (
+        "Each tree cell whose fruit is neither none nor old: the tree's fruit becomes none."
+    ),
+    "each tree { chance luck { set tree.fruit = ripe } otherwise { set tree.fruit = old } }": (
+        "Each tree cell:\n    - With probability 0.25, the tree's fruit becomes ripe.\n"
+        "    - Otherwise, the tree's fruit becomes old."
+    ),
+    "each agent as a { first agent as b in beam of a where b chose zap { add 1 to b.bag } }": (
+        "Each agent a: in agent a's beam, the first agent b that chose zap: agent b's bag rises by "
+        "1 (to at most 9)."
+    ),
+    "pick 2 tree where nobody on tree { set tree.fruit = old }": (
+        "2 different tree cells with nobody on it, drawn at random (all, if there are fewer); for "
+        "each: the tree's fruit becomes old."
+    ),
+    "each agent as a { each agent as b where b is not a { add b to a.friends } }": (
+        "Each agent a: each agent b that is not agent a: agent b joins agent a's friends."
+    ),
+    "when step >= 4 and count(tree where tree.fruit is ripe) == 0 { end }": (
+        "If the number of finished steps is at least 4 and there is no tree cell whose fruit is "
+        "ripe, the episode ends after this step."
+    ),
+    "move each deer toward agent": (
+        "At the same time, each deer steps to one of the free cells beside it that are nearer to "
+        "the nearest of the agents, drawn at random; it stays if there is none."
+    ),
+    "each agent { tally counted for agent  give 2 * cost to agent }": (
+        "Each agent: the agent gets a reward of -1."
+    ),
+}
+
+
+@pytest.mark.parametrize("rule", SENTENCES)
+def test_a_rule_in_english(rule: str) -> None:
+    text = told(build(Source("one.sj", FRAME % rule)).game)
+    assert f"1. rule\n  - {SENTENCES[rule]}\n" in text
