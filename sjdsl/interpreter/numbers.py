@@ -24,6 +24,7 @@ _COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
 
 
 LEAST = 2.0**-126  # the least positive real: a smaller one counts as 0
+ROOT_OF_HALF = float(np.float32(math.sqrt(0.5)))
 
 
 def real(value: Any) -> Any:
@@ -106,6 +107,51 @@ def ramp(value: Any, zero_at: Any, one_at: Any) -> np.float32:
     return min(max(height, np.float32(0)), np.float32(1))
 
 
+def root(value: np.float32) -> np.float32:
+    """Returns the square root; 0 of what rounding has brought below 0."""
+    return np.float32(math.sqrt(max(float(value), 0.0)))
+
+
+def exponential(value: np.float32) -> np.float32:
+    """Returns e to the power of a number, by the operations of docs/semantics.md, section 4."""
+    if value < -104:
+        return np.float32(0)
+    number = int(np.rint(value * np.float32(1.44269504)))
+    r = value - number * np.float32(0.693359375)
+    r = r - number * np.float32(-2.12194440e-4)
+    p = np.float32(1 / 5040)
+    for factorial in (720, 120, 24, 6, 2):
+        p = p * r + np.float32(1 / factorial)
+    power = (r * r * p + r) + np.float32(1)
+    result: np.float32 = real(math.ldexp(float(power), number))
+    return result
+
+
+def logarithm(value: np.float32) -> np.float32:
+    """Returns the natural logarithm, by the operations of docs/semantics.md, section 4."""
+    significand, number = math.frexp(max(float(value), LEAST))
+    if significand <= ROOT_OF_HALF:
+        significand *= 2
+        number -= 1
+    g = np.float32(significand - 1)
+    half = np.float32(0.5) * (g * g)
+    s = g / (np.float32(2) + g)
+    z = s * s
+    p = np.float32(2 / 9)
+    for odd in (7, 5, 3):
+        p = p * z + np.float32(2 / odd)
+    less = (s * (half + p * z) - half) + number * np.float32(-2.12194440e-4)
+    return np.float32((g + less) + number * np.float32(0.693359375))
+
+
+def power(base: Any, exponent: Any) -> Any:
+    """Returns a product of equal factors, multiplied from the left."""
+    result = base**0
+    for _ in range(int(exponent)):
+        result = result * base
+    return result
+
+
 # All return a real for reals, but `round` returns an int.
 _OPERATIONS: dict[str, Callable[..., Any]] = {
     "+": operator.add,
@@ -120,6 +166,10 @@ _OPERATIONS: dict[str, Callable[..., Any]] = {
     "max": max,
     "ramp": ramp,
     "abs": abs,
+    "sqrt": root,
+    "exp": exponential,
+    "log": logarithm,
+    "^": power,
 }
 
 

@@ -227,7 +227,10 @@ def _added(declared: ir.VarField, current: Value, values: list[Value]) -> Value:
     if declared.type.kind == "agents":
         return current.union(*values)
     if declared.type.kind == "real":
-        return added_up([current, *values])
+        added = added_up([current, *values])
+        if declared.capped:
+            return min(max(added, np.float32(declared.type.low)), np.float32(declared.type.high))
+        return added
     total = current + sum(values)
     check_int32(total, declared.name)
     if declared.capped:
@@ -240,6 +243,7 @@ def _check(declared: ir.VarField, value: Value, board: Board) -> None:
     match declared.type.kind:
         case "int" | "real":
             check_interval(value, declared.type, declared.name)
+            _check_ends(value, declared)
         case "word":
             assert value in declared.type.words, (declared.name, value)
         case "agent" | "agents":
@@ -254,6 +258,15 @@ def _check(declared: ir.VarField, value: Value, board: Board) -> None:
             )
         case _:
             raise AssertionError(declared)
+
+
+def _check_ends(value: Value, declared: ir.VarField) -> None:
+    """Asserts that a number, or each of a row, is in its field's range to the last bit."""
+    if isinstance(value, tuple):
+        for entry in value:
+            _check_ends(entry, declared)
+        return
+    assert declared.type.low <= value <= declared.type.high, (declared.name, value)
 
 
 def _get(slot: Slot, board: Board, world: World) -> Value:

@@ -31,7 +31,7 @@ def exactly(value: Array) -> Array:
     Args:
       value: any shape, float32.
     """
-    return _real(_bits(value) + _zero(value))
+    return as_real(as_bits(value) + _zero(value))
 
 
 def divided(dividend: Array | float, divisor: Array | float) -> Array:
@@ -80,9 +80,9 @@ def fixed_point(values: Array) -> Array:
     the number, the least significant first. Up to 2^19 numbers may be added, digit by digit.
     Numbers nearer to 0 than 2^-126 are 0.
     """
-    bits = _bits(values)[..., None]
-    exponent = _exponent(bits)
-    significand = jnp.where(exponent == 0, jnp.uint32(0), _significand(bits))
+    bits = as_bits(values)[..., None]
+    exponent = exponent_of(bits)
+    significand = jnp.where(exponent == 0, jnp.uint32(0), significand_of(bits))
     place = jnp.where(exponent == SPECIAL, ABOVE, exponent - 1)
     shift = place - DIGIT * numbers_on_last_axis(DIGITS, values.ndim + 1)
     # Each digit is the part of the significand that lies at its place.
@@ -112,7 +112,7 @@ def rounded(sums: Array) -> Array:
     third = digit_below_top(2)
     below = jnp.any((number < top[..., None] - 2) & (digits > 0), axis=-1)
     high = first << DIGIT | second
-    length = _exponent(_bits(high.astype(jnp.float32))) - (BIAS - 1)
+    length = exponent_of(as_bits(high.astype(jnp.float32))) - (BIAS - 1)
     # Bits of the third digit in the significand.
     more = jnp.clip(FRACTION + 1 - length, 0, DIGIT - 1)
     significand = high << more | third >> (DIGIT - more)
@@ -122,7 +122,7 @@ def rounded(sums: Array) -> Array:
     up = (rest > half) | ((rest == half) & (below | is_odd))
     exponent = DIGIT * (top - 1) - more + 1
     significand = significand.astype(jnp.uint32) + up.astype(jnp.uint32)
-    return _assembled(negative, exponent, significand)
+    return assembled(negative, exponent, significand)
 
 
 def _carried(sums: Array) -> tuple[Array, Array]:
@@ -138,7 +138,7 @@ def _carried(sums: Array) -> tuple[Array, Array]:
 
 def _divided_on_cpu(dividend: Array, divisor: Array) -> Array:
     # XLA would multiply by the inverse of a constant divisor.
-    not_constant = _real(_bits(divisor) + _zero(dividend))
+    not_constant = as_real(as_bits(divisor) + _zero(dividend))
     return dividend / not_constant
 
 
@@ -147,10 +147,10 @@ def _divided_on_gpu(dividend: Array, divisor: Array) -> Array:
 
     Numbers nearer to 0 than 2^-126 are 0.
     """
-    top = _bits(dividend)
-    bottom = _bits(divisor)
-    above = _significand(top)
-    below = _significand(bottom)
+    top = as_bits(dividend)
+    bottom = as_bits(divisor)
+    above = significand_of(top)
+    below = significand_of(bottom)
     smaller = above < below
     rest = (above << smaller.astype(jnp.uint32)) - below
     quotient = jnp.ones_like(rest)
@@ -162,17 +162,17 @@ def _divided_on_gpu(dividend: Array, divisor: Array) -> Array:
     significand = quotient >> 1
     is_odd = (significand & 1) == 1
     up = ((quotient & 1) == 1) & ((rest > 0) | is_odd)
-    to_zero = (_exponent(top) == 0) | (_exponent(bottom) == SPECIAL)
-    to_infinity = (_exponent(top) == SPECIAL) | (_exponent(bottom) == 0)
-    exponent = _exponent(top) - _exponent(bottom) + BIAS - smaller.astype(jnp.int32)
+    to_zero = (exponent_of(top) == 0) | (exponent_of(bottom) == SPECIAL)
+    to_infinity = (exponent_of(top) == SPECIAL) | (exponent_of(bottom) == 0)
+    exponent = exponent_of(top) - exponent_of(bottom) + BIAS - smaller.astype(jnp.int32)
     exponent = jnp.where(to_zero, 0, jnp.where(to_infinity, SPECIAL, exponent))
     negative = (top ^ bottom) >> 31 == 1
-    result = _assembled(negative, exponent, significand + up.astype(jnp.uint32))
+    result = assembled(negative, exponent, significand + up.astype(jnp.uint32))
     is_none = (to_zero & to_infinity) | (dividend != dividend) | (divisor != divisor)
     return jnp.where(is_none, jnp.float32(jnp.nan), result)
 
 
-def _assembled(negative: Array, exponent: Array, significand: Array) -> Array:
+def assembled(negative: Array, exponent: Array, significand: Array) -> Array:
     """Returns float32 numbers; too small ones are 0, too large ones infinity.
 
     Args:
@@ -183,7 +183,7 @@ def _assembled(negative: Array, exponent: Array, significand: Array) -> Array:
     is_infinite = exponent >= SPECIAL
     size = jnp.where(is_zero, jnp.uint32(0), jnp.where(is_infinite, jnp.uint32(INFINITE), bits))
     sign = negative.astype(jnp.uint32) << 31
-    return _real(size | sign)
+    return as_real(size | sign)
 
 
 def _zero(value: Array) -> Array:
@@ -191,28 +191,28 @@ def _zero(value: Array) -> Array:
 
     No square has the remainder 2 modulo 5, which compilers don't know.
     """
-    part = _bits(value) & 0x7FFF
+    part = as_bits(value) & 0x7FFF
     square = part * part
     remainder = square - square // jnp.uint32(5) * 5
     result: Array = (remainder == 2).astype(jnp.uint32)
     return result
 
 
-def _exponent(bits: Array) -> Array:
+def exponent_of(bits: Array) -> Array:
     result: Array = (bits >> FRACTION & SPECIAL).astype(jnp.int32)
     return result
 
 
-def _significand(bits: Array) -> Array:
+def significand_of(bits: Array) -> Array:
     result: Array = bits & (2**FRACTION - 1) | 2**FRACTION
     return result
 
 
-def _bits(value: Array) -> Array:
+def as_bits(value: Array) -> Array:
     result: Array = lax.bitcast_convert_type(value, jnp.uint32)
     return result
 
 
-def _real(bits: Array) -> Array:
+def as_real(bits: Array) -> Array:
     result: Array = lax.bitcast_convert_type(bits, jnp.float32)
     return result

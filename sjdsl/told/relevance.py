@@ -110,7 +110,9 @@ class _Pruner:
                 return s if self.marks else None
             case ir.Set() | ir.Add():
                 return s if _names(written_field(s.target)) & self.read else None
-            case ir.Give() | ir.Send() | ir.Shift() | ir.Face() | ir.Remove() | ir.Move() | ir.End():
+            case (
+                ir.Give() | ir.Send() | ir.Shift() | ir.Face() | ir.Remove() | ir.Move() | ir.End()
+            ):
                 return s
             case ir.Each() | ir.First() | ir.Match():
                 body = self.block(s.body)

@@ -183,7 +183,7 @@ def where(condition: Any, a: Any, b: Any) -> Array:
 def _namespace() -> SimpleNamespace:
     same = ("zeros", "ones", "full", "arange", "sum", "any", "all", "max", "min", "argmax", "clip", "take_along_axis",
             "concatenate", "broadcast_to", "zeros_like", "full_like", "stack", "eye", "select", "rot90", "repeat", "ones_like",
-            "moveaxis", "split", "add", "logical_or")  # fmt: skip
+            "moveaxis", "split", "add", "logical_or", "sqrt")  # fmt: skip
     calculating = {
         row.array.removeprefix("jnp.")
         for row in CALCULATIONS.values()

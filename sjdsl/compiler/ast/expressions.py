@@ -33,6 +33,15 @@ class Range(Node):
     capped: bool
 
 
+class Reals(Node):
+    """`number in 0 .. 1.5 capped`"""
+
+    unit: Name
+    low: Expr
+    high: Expr
+    capped: bool
+
+
 class Numbers(Node):
     """`0 .. 4` after `by`"""
 
@@ -41,7 +50,7 @@ class Numbers(Node):
 
 
 class NamedType(Node):
-    """`agent`, `set of agent`, `reward`"""
+    """`agent`, `set of agent`, `reward`, `fraction`"""
 
     set_of: bool
     name: Name
@@ -54,7 +63,7 @@ class CellType(Node):
     of: Name
 
 
-Type = Words | Range | NamedType | CellType
+Type = Words | Range | Reals | NamedType | CellType
 By = (
     Words | Numbers | Name
 )  # what the entries of a row are told apart by; the name of a sort is `agent`
@@ -144,7 +153,7 @@ class Unary(Node):
 
 
 class Binary(Node):
-    """op: `+ - * / %`, `<= >= == != < >`, `and`, `or`, `is`, `is not`"""
+    """op: `+ - * / % ^`, `<= >= == != < >`, `and`, `or`, `is`, `is not`"""
 
     op: str
     left: Expr

@@ -28,7 +28,7 @@ from sjdsl.compiler.ir.queries import (
     written_field,
     written_keys,
 )
-from sjdsl.compiler.ir.types import integer
+from sjdsl.compiler.ir.types import has_limits, integer
 
 
 class Quantifier(Record):
@@ -184,8 +184,10 @@ def check_conflicts(game: ir.Game, problems: Problems) -> None:
 
 
 def _is_bounded(w: Write, game: ir.Game) -> bool:
-    """Returns whether this is an `add` that has to stay in a range of whole numbers: not one that is `capped`."""
-    if not isinstance(w.statement, ir.Add) or written_field(w.statement.target).type.kind != "int":
+    """Returns whether this is an `add` that has to stay in a range of numbers: not one that is `capped`."""
+    if not isinstance(w.statement, ir.Add):
+        return False
+    if not has_limits(written_field(w.statement.target).type):
         return False
     return not declared_field(game, written_field(w.statement.target)).capped
 

@@ -14,6 +14,7 @@ MAX_DEPTH = 64  # brackets around one place, signs and `not` before one value
 MAX_TREE = 160  # the same, and operators in a row, links of an `otherwise` chain, blocks
 MAX_INTEGER = 2**31 - 1
 MAX_VALUE = 2**30  # of a declared number, and of the ends of a field's range
+MAX_EXPONENT = 64  # of a power that is a product
 MAX_DIGITS = 32  # characters of a decimal number
 MAX_PROBLEMS = 100  # syntax errors of one file
 

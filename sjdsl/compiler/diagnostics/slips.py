@@ -38,10 +38,7 @@ PHASES = (
     "and those of the schedule in each step"
 )
 POINT = "a number has digits on both sides of its point: `0.5`"
-POWER = (
-    "there are no powers, roots or logarithms: write a product, `x * x`, or a table, "
-    "`case n { 0: 0, 1: 1, 2..: 1.4 }`"
-)
+POWER = "a power is written `x ^ 2`, and a square root `sqrt(x)`"
 RANGE = "a range is written `0 .. 5`, and words stand in braces, `{ happy, sad }`"
 ROW = (
     "a list is a row, a value for each word or number: `field tokens by { red, blue } : 0 .. 9 = 0`"
@@ -199,7 +196,13 @@ SLIPS = {
         "implies .*": "if a, then b is written `not a or b`",
     },
     "round": {  # where a function can stand
-        "sqrt|exp|log|ln|log2|log10|pow|power|sin|cos|tanh?|sigmoid": POWER,
+        "pow|power|square|root": POWER,
+        "ln|log2|log10":
+            "`log(x)` is the natural logarithm; to the base 2 it is `log(x) / log(2)`",
+        "sigmoid|logistic|tanh|softmax":
+            "`1 / (1 + exp(-x))` rises from 0 to 1",
+        "sin|cos|tan":
+            "there are no circular functions: write a table, `case n { 0: 0, 1: 1, 2..: 0 }`",
         "floor|trunc":
             "`quotient(a, b)` divides whole numbers and rounds down, "
             "and `round(x)` rounds to the nearest",
@@ -229,7 +232,7 @@ SLIPS = {
     "": {
         # numbers and their signs
         r"\* ¦ \* .*": POWER,
-        r"[\^²³√]": POWER,
+        r"[²³√]": POWER,
         r"/ ¦ / .*":
             "`quotient(a, b)` divides whole numbers and rounds down; a comment begins with `#`",
         r"/ [/*] .*": COMMENT,

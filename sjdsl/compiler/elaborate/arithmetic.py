@@ -1,6 +1,7 @@
 """Elaborates arithmetic and comparison: constant folding, intervals, and units that match."""
 
 from collections.abc import Sequence
+from math import inf
 from typing import Literal
 
 from sjdsl.compiler import ast, ir
@@ -9,11 +10,13 @@ from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.declaration_labels import parameters_read
 from sjdsl.compiler.elaborate.domains import can_be_empty
+from sjdsl.compiler.elaborate.lookup import interval_text
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
 from sjdsl.compiler.ir.implications import compares, narrowed_real
-from sjdsl.compiler.ir.operations import Calculation
+from sjdsl.compiler.ir.operations import CALCULATIONS, Calculation, Domain
 from sjdsl.compiler.ir.printer import expression_text as text
 from sjdsl.compiler.ir.queries import contains
+from sjdsl.compiler.ir.range_arithmetic import FLOAT32
 from sjdsl.compiler.ir.ranges import apart, range_of
 from sjdsl.compiler.ir.types import (
     INTEGER_UNITS,
@@ -42,7 +45,17 @@ def calculation(
 
     operation: its entry in the table of operations. trees: its operands.
     """
-    args = scope.expressions(trees)
+    return calculated(operation, e, trees, scope.expressions(trees), scope)
+
+
+def calculated(
+    operation: Calculation,
+    e: ast.Expr,
+    trees: Sequence[ast.Expr],
+    args: Sequence[ir.Expr],
+    scope: Scope,
+) -> ir.Expr:
+    """Returns `calculation` of operands that are elaborated."""
     types = [arg.type for arg in args]
     if not (operation.rows and _are_rows_with_same_keys(types)):
         _check_numbers(operation, e, trees, types, scope)
@@ -55,14 +68,43 @@ def calculation(
         return args[0]
     type_ = _result(operation, e, args, scope)
     if operation.apart is not None:
-        low, high = operation.apart
-        _check_apart(e, args[low], args[high], scope)
+        first, second = operation.apart
+        _check_apart(e, args[first], args[second], scope)
     numbers = [arg.value for arg in args if isinstance(arg, ir.Number)]
     if len(numbers) == len(args):
         value = operation.fold(*numbers)
         constant = type_.model_copy(update={"low": value, "high": value})
         return ir.Number(type=constant, value=value, origin=e.span)
     return ir.Arithmetic(type=type_, fn=operation.name, args=tuple(args), origin=e.span)
+
+
+def power(e: ast.Binary, scope: Scope) -> ir.Expr:
+    """Returns `a ^ b`: a product of b factors, or `exp(b * log(a))`.
+
+    The former if b is known when the game is compiled, and whole.
+    """
+    base, exponent = scope.expressions((e.left, e.right))
+    fixed = exponent
+    while isinstance(fixed, ir.Named):
+        fixed = fixed.value
+    if isinstance(fixed, ir.Number) and fixed.type.kind == "int":
+        if not 0 <= fixed.value <= limits.MAX_EXPONENT:
+            raise _exponent_outside(e, int(fixed.value), scope)
+        return calculated(CALCULATIONS["^"], e, [e.left, e.right], [base, fixed], scope)
+    logarithm = calculated(CALCULATIONS["log"], e, [e.left], [base], scope)
+    product = calculated(CALCULATIONS["*"], e, [e.right, e.left], [exponent, logarithm], scope)
+    return calculated(CALCULATIONS["exp"], e, [e], [product], scope)
+
+
+def _exponent_outside(e: ast.Binary, value: int, scope: Scope) -> Poisoned:
+    written = scope.static.written(e.left.span)
+    help_ = f"write `1 / {written} ^ {-value}`" if value < 0 else ""
+    high = limits.MAX_EXPONENT
+    return scope.fail(
+        errors.OutOfLimits(
+            e.right.span, name="the exponent", value=value, low=0, high=high, help=help_
+        )
+    )
 
 
 def _are_rows_with_same_keys(types: Sequence[ir.Type]) -> bool:
@@ -123,9 +165,15 @@ def _result(operation: Calculation, e: ast.Expr, args: Sequence[ir.Expr], scope:
     if operation.divisor is not None:
         divisor = without_zero(types[operation.divisor])
         ends[operation.divisor] = divisor.low, divisor.high
-    if operation.bounded:
+    if operation.bounded or operation.finite or operation.domain is not None:
         ends = [narrowed_real(a, scope.facts_and_requires) for a in args]
+    if operation.domain is not None:
+        _check_domain(operation, operation.domain, e, args[0], scope)
+        ends = [_within(operation.domain, ends[0])]
     low, high = operation.interval(*ends)
+    if operation.finite and max(-low, high) > FLOAT32:
+        labels = parameters_read(scope.static, *args)
+        raise scope.fail(errors.PowerTooLarge(e.span, labels=labels))
     if operation.bounded and max(-low, high) > limits.MAX_VALUE:
         labels = parameters_read(scope.static, *args)
         raise scope.fail(
@@ -142,6 +190,51 @@ def _result(operation: Calculation, e: ast.Expr, args: Sequence[ir.Expr], scope:
         unit = "number"
     kind: Literal["int", "real"] = "int" if is_whole else "real"
     return ir.Type(kind=kind, unit=unit, low=low, high=high, indexed_by=types[0].indexed_by)
+
+
+def _check_domain(
+    operation: Calculation, domain: Domain, e: ast.Expr, arg: ir.Expr, scope: Scope
+) -> None:
+    """Reports an argument that may be none of the numbers that a function takes."""
+    known = scope.facts_and_requires
+    low, high = narrowed_real(arg, known, loose=False)
+    if domain.low <= low and high <= domain.high:
+        return
+    from_zero = domain.high == inf
+    is_guarded = compares(arg, ">", 0, known) or (
+        not domain.above and compares(arg, ">=", 0, known)
+    )
+    if from_zero and is_guarded:
+        return
+    labels = parameters_read(scope.static, arg)
+    is_power = isinstance(e, ast.Binary)
+    if is_power and not from_zero:
+        raise scope.fail(errors.PowerTooLarge(e.span, labels=labels))
+    span = arg.origin or e.span
+    written = scope.static.written(span)
+    help_ = f"write `{domain.instead.format(written)}` in its place"
+    if from_zero:
+        sign = ">" if domain.above else ">="
+        help_ = f"guard it, `when {written} {sign} 0 {{ … }}`, or {help_}"
+    taken = domain.named
+    if is_power:
+        taken = "a base above 0, as its exponent is no whole number that is written"
+    raise scope.fail(
+        errors.OutsideDomain(
+            span,
+            labels=labels,
+            help=help_,
+            name="^" if is_power else operation.name,
+            taken=taken,
+            reached=interval_text(low, high),
+        )
+    )
+
+
+def _within(domain: Domain, interval: tuple[float, float]) -> tuple[float, float]:
+    """Returns what an argument can be, in the domain of its function."""
+    low = min(max(interval[0], domain.low), domain.high)
+    return low, max(min(interval[1], domain.high), low)
 
 
 def _unit_mismatch(

@@ -1,5 +1,6 @@
 """Elaborates `set` and `add`: the value fits the field, and provably stays in its range."""
 
+from dataclasses import replace
 from math import inf
 
 from sjdsl.compiler import ast, ir
@@ -14,8 +15,11 @@ from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.elaborate.trials import TRIAL
 from sjdsl.compiler.ir.implications import narrowed
 from sjdsl.compiler.ir.printer import expression_text as text
-from sjdsl.compiler.ir.types import describe, is_number
+from sjdsl.compiler.ir.range_arithmetic import FLOAT32, Range
+from sjdsl.compiler.ir.types import describe, has_limits, is_number
 
+BOUND_BOTH = "guard the change with `when`, or bound it with `min` and `max`"
+MOST_ADDED = 2**22  # instances of a statement: a cell of the largest map and an agent
 ONLY_ADD = "only `add` stops at the end of a range that is `capped`"
 
 
@@ -81,6 +85,11 @@ def set_(s: ast.Set, scope: Scope, use: PhaseUse) -> ir.Stmt:
         return _face(s, scope)
     target, field = _target_beside(s, scope)
     value = fitting_value(s.value, target, target.type, scope)
+    if target.type.kind == "real" and has_limits(target.type):
+        reached = scope.computed_range(value)
+        if not _is_within(reached, target.type):
+            help_ = _instead_of_set(s, field, target, scope) or BOUND_BOTH
+            raise _leaves_reals(s.value.span, target, reached, scope, help_)
     if target.type.kind == "int":
         low, high = narrowed(value, scope.facts)
         limit = inf if field.timer else target.type.high
@@ -129,7 +138,7 @@ def _instead_of_set(s: ast.Set, field: ir.VarField, target: ir.Expr, scope: Scop
             path = text(target)
             if text(scope.expression(left)) == path:
                 return f"{ONLY_ADD}: write `add {scope.static.written(right.span)} to {path}`"
-    return f"{ONLY_ADD}: guard the change with `when`, or bound it with `min` and `max`"
+    return f"{ONLY_ADD}: {BOUND_BOTH}"
 
 
 def add(s: ast.Add, scope: Scope) -> ir.Stmt:
@@ -147,6 +156,8 @@ def add(s: ast.Add, scope: Scope) -> ir.Stmt:
     if value.type.indexed_by != target.type.indexed_by:
         raise wrong_type(scope, s.value, describe(target.type), value.type)
     check_number(s.value, target.type, value, scope)
+    if target.type.kind == "real" and has_limits(target.type):
+        _check_added_real(s, target, value, field.capped, scope)
     if target.type.kind == "int" and not field.capped:  # no other statement then adds to it
         low = target.type.low
         high = target.type.high
@@ -157,6 +168,47 @@ def add(s: ast.Add, scope: Scope) -> ir.Stmt:
         if low < target.type.low or high > target.type.high:
             raise _leaves_range(s.span, target, low, high, scope)
     return ir.Add(target=target, value=value, origin=s.span)
+
+
+def _check_added_real(
+    s: ast.Add, target: ir.Expr, value: ir.Expr, capped: bool, scope: Scope
+) -> None:
+    """Reports an `add` of reals that can leave the range of a field.
+
+    That of a `capped` one must be a number, however often it is added.
+    """
+    if capped:
+        added = scope.computed_range(value)
+        if not added.sound or added.largest * MOST_ADDED > FLOAT32:
+            raise _leaves_reals(s.value.span, target, replace(added, sound=False), scope)
+        return
+    type_ = ir.Type(kind="real", unit=target.type.unit, by=target.type.by)
+    total = ir.Arithmetic(type=type_, fn="+", args=(target, value))
+    reached = scope.computed_range(total)
+    if not _is_within(reached, target.type):
+        raise _leaves_reals(s.span, target, reached, scope)
+
+
+def _is_within(reached: Range, type_: ir.Type) -> bool:
+    return reached.sound and type_.low <= reached.low and reached.high <= type_.high
+
+
+def _leaves_reals(
+    span: Span, target: ir.Expr, reached: Range, scope: Scope, help_: str = ""
+) -> Poisoned:
+    """Reports a real that can leave the range of a field, or float32."""
+    problem = errors.FieldRange if reached.sound else errors.LeavesFloat32InField
+    return scope.fail(
+        problem(
+            span,
+            name=text(target),
+            declared=declared_name(target),
+            low=target.type.low,
+            high=target.type.high,
+            reached=f"{reached.low:.9g} .. {reached.high:.9g}",
+            help=help_ if reached.sound else "",
+        )
+    )
 
 
 def _leaves_range(

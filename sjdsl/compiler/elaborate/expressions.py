@@ -14,7 +14,7 @@ from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate import actions
-from sjdsl.compiler.elaborate.arithmetic import calculation, compare, join_types
+from sjdsl.compiler.elaborate.arithmetic import calculation, compare, join_types, power
 from sjdsl.compiler.elaborate.cases import case
 from sjdsl.compiler.elaborate.domains import can_be_empty, domain, most_members
 from sjdsl.compiler.elaborate.lookup import (
@@ -97,6 +97,8 @@ def expression(e: ast.Expr, scope: Scope) -> ir.Expr:
             return ir.Not(value=same, origin=e.span) if e.op == "is not" else same
         case ast.Binary(op="*" | "/"):
             return product(e, scope)
+        case ast.Binary(op="^"):
+            return power(e, scope)
         case ast.Binary() if e.op in COMPARISONS:
             return compare(e, scope)
         case ast.Binary():

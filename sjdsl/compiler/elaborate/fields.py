@@ -15,9 +15,21 @@ from sjdsl.compiler.elaborate.lookup import (
     interval_text,
 )
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
-from sjdsl.compiler.ir.types import describe, join_units, words
+from sjdsl.compiler.ir.range_arithmetic import nearest
+from sjdsl.compiler.ir.types import UNIT_LIMITS, describe, has_limits, join_units, words
 
-FIELD_TYPES = ("{ a, b }", "0 .. 9", "agent", "set of agent", "cell of KIND", "reward")
+FIELD_TYPES = (
+    "{ a, b }",
+    "0 .. 9",
+    "agent",
+    "set of agent",
+    "cell of KIND",
+    "reward",
+    "probability",
+    "fraction",
+    "number in 0 .. 1",
+)
+REAL_UNITS: tuple[ir.Unit, ...] = ("number", "reward", "probability", "fraction")
 
 ATTRIBUTES = {  # names that fields of each owner can't have
     "agent": AGENT_ATTRIBUTES,
@@ -34,7 +46,7 @@ ROLES = {
 }
 
 
-REAL_FIELD = "a field of real numbers is `field {name} : reward = 0`"
+REAL_FIELD = "a field of real numbers is `field {name} : number in 0 .. 1 = 0.5`"
 
 
 def fields_of(
@@ -74,7 +86,7 @@ def one_field(declared: ast.Field | ast.Timer, scope: Scope, held_by: ir.Sort) -
     if declared.by is not None:
         type_ = type_.model_copy(update={"indexed_by": (level_of(declared.by, scope),)})
     capped = False
-    if isinstance(declared.type, ast.Range):
+    if isinstance(declared.type, ast.Range | ast.Reals):
         capped = declared.type.capped
         if any(isinstance(node, ast.Path) for node in walk(declared.type)):
             scope.static.sized.add(field_symbol(name, held_by.name))
@@ -91,6 +103,8 @@ def field_type(declared: ast.Type, scope: Scope) -> ir.Type:
             return words(tuple(dict.fromkeys(n.text for n in declared.names)))
         case ast.Range():
             return _range_type(declared, scope)
+        case ast.Reals():
+            return _type_of_reals(declared, scope)
         case ast.CellType():
             if declared.sort.text != "cell":
                 raise scope.problems.unknown(declared.sort, ("cell", "set"), "what is of something")
@@ -102,6 +116,11 @@ def field_type(declared: ast.Type, scope: Scope) -> ir.Type:
             return ir.AGENTS if declared.set_of else ir.AGENT
         case ast.NamedType(name=ast.Name(text="reward"), set_of=False):
             return ir.Type(kind="real", unit="reward")
+        case ast.NamedType(name=ast.Name(text="probability" | "fraction" as unit), set_of=False):
+            return ir.Type(kind="real", unit=unit, low=0.0, high=1.0)
+        case ast.NamedType(name=ast.Name(text="number"), set_of=False):
+            help_ = "write `number in 0 .. 10`; a field of reals without limits is a `reward`"
+            raise scope.expected(declared.span, "a number with limits", "one without", help_)
         case ast.NamedType(name=ast.Name(text=sort)) if sort in static.mover_sorts:
             help_ = f"let the mover hold the agent: write `field holder : agent` in `movers {sort}`"
             raise scope.fail(
@@ -111,15 +130,40 @@ def field_type(declared: ast.Type, scope: Scope) -> ir.Type:
             raise scope.problems.unknown(declared.name, FIELD_TYPES, "the types of fields")
 
 
-def _range_type(declared: ast.Range, scope: Scope) -> ir.Type:
-    """Returns the type of a field with a range of whole numbers."""
-    low_unit = scope.expression(declared.low).type.unit
-    high_unit = scope.expression(declared.high).type.unit
+def _ends(declared: ast.Range | ast.Reals, scope: Scope) -> tuple[float, float]:
+    """Returns the ends of the range of a field."""
     low = scope.fixed(declared.low, "the range of a field")
     high = scope.fixed(declared.high, "the range of a field")
     if max(abs(low), abs(high)) > limits.MAX_VALUE:
         problem = f"an end of this range is {max(low, high, key=abs):.15g}"
         raise scope.fail(limits.too_much(problem, limits.MAX_VALUE, declared.span))
+    return low, high
+
+
+def _type_of_reals(declared: ast.Reals, scope: Scope) -> ir.Type:
+    """Returns the type of real numbers of a range, whose ends are rounded to float32."""
+    units = {unit: unit for unit in REAL_UNITS}
+    if declared.unit.text not in units:
+        raise scope.problems.unknown(declared.unit, REAL_UNITS, "the units of real numbers")
+    unit = units[declared.unit.text]
+    low, high = map(nearest, _ends(declared, scope))
+    if low > high:
+        raise scope.expected(declared.span, "a range, the smaller number first", "another one")
+    least, most = UNIT_LIMITS[unit]
+    for end in (low, high):
+        if not least <= end <= most:
+            name = f"an end of the range of a {unit}"
+            raise scope.fail(
+                errors.OutOfLimits(declared.span, name=name, value=end, low=least, high=most)
+            )
+    return ir.Type(kind="real", unit=unit, low=low, high=high)
+
+
+def _range_type(declared: ast.Range, scope: Scope) -> ir.Type:
+    """Returns the type of a field with a range of whole numbers."""
+    low_unit = scope.expression(declared.low).type.unit
+    high_unit = scope.expression(declared.high).type.unit
+    low, high = _ends(declared, scope)
     wanted = "a range of whole numbers, the smaller first"
     if low > high:
         raise scope.expected(declared.span, wanted, "another one")
@@ -138,7 +182,7 @@ def start_value(declared: ast.Field, type_: ir.Type, scope: Scope) -> int | floa
         return starting(declared.start, declared.name.text, type_, scope)
     if type_.kind in ("agent", "agents", "cell"):
         return None
-    if type_.unit == "reward":
+    if type_.unit == "reward" and not has_limits(type_):
         return 0.0
     part = f"starting value for `{declared.name.text}`"
     raise scope.fail(
@@ -162,6 +206,7 @@ def starting(tree: ast.Expr, name: str, type_: ir.Type, scope: Scope) -> int | f
         case ir.Number() if type_.kind == "int":
             return _starting_number(value, tree, name, type_, scope)
         case ir.Number() if type_.kind == "real":
+            _check_start(value, nearest(value.value), tree, name, type_, scope)
             return float(value.value)
     help_ = ""
     if type_.kind in ("agent", "agents", "cell"):
@@ -177,7 +222,15 @@ def _starting_number(
     if number.value != int(number.value):
         help_ = REAL_FIELD.format(name=name)
         raise scope.expected(tree.span, "a whole number", f"{number.value:g}", help_)
-    if not type_.low <= number.value <= type_.high:
+    _check_start(number, number.value, tree, name, type_, scope)
+    return int(number.value)
+
+
+def _check_start(
+    number: ir.Number, value: float, tree: ast.Expr, name: str, type_: ir.Type, scope: Scope
+) -> None:
+    """Reports a starting value outside the range of a field."""
+    if not type_.low <= value <= type_.high:
         raise scope.fail(
             errors.FieldRange(
                 tree.span,
@@ -189,4 +242,3 @@ def _starting_number(
                 help="begin with a number of the range, or widen the range",
             )
         )
-    return int(number.value)

@@ -14,7 +14,8 @@ from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.diagnostics.tree import walk
-from sjdsl.compiler.ir.implications import Fact, facts, narrow_word
+from sjdsl.compiler.ir.implications import Fact, computed_range, facts, narrow_word
+from sjdsl.compiler.ir.range_arithmetic import Range
 from sjdsl.compiler.ir.sorts import AGENTS, Level
 from sjdsl.compiler.ir.types import describe, is_number
 
@@ -175,6 +176,7 @@ class Scope(Record):
     elsewhere: variables that may have been away in the state that is read.
     never: collects what can't happen in this use of a phase or define; None if there are no other
       uses.
+    ranges: those of the reals that `let` and `draw` have named, as they are computed.
     """
 
     static: Static
@@ -190,6 +192,7 @@ class Scope(Record):
     about_steps: bool = False
     elsewhere: frozenset[str] = frozenset()
     never: list[errors.NeverHappens] | None = None
+    ranges: Mapping[str, Range] = field(default_factory=dict)
 
     def fail(self, diagnostic: Diagnostic) -> Poisoned:
         """Records one diagnostic and returns what to raise: `raise scope.fail(...)`."""
@@ -323,6 +326,10 @@ class Scope(Record):
     def facts_and_requires(self) -> tuple[Fact, ...]:
         """What holds here, with the game's `require`s."""
         return (*self.facts, *self.static.required_facts)
+
+    def computed_range(self, e: ir.Expr) -> Range:
+        """Returns the range of a real as it is computed in float32, from what holds here."""
+        return computed_range(e, self.facts, self.static.required_facts, self.ranges)
 
     def after_unreadable_guard(self) -> "Scope":
         """Returns this scope inside a condition that has a mistake.

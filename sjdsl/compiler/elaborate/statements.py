@@ -25,6 +25,7 @@ from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.ir.equivalence import form
 from sjdsl.compiler.ir.implications import compares, narrowed
 from sjdsl.compiler.ir.printer import expression_text as text
+from sjdsl.compiler.ir.range_arithmetic import Range, rounded, to_float32
 from sjdsl.compiler.ir.types import INTEGER_UNITS, integer, join_units, real, words
 
 
@@ -94,6 +95,8 @@ def let(s: ast.Let, scope: Scope) -> tuple[ir.Stmt, Scope]:
         raise wrong_type(scope, s.value, "a value", value.type, described)
     local = ir.Local(type=value.type, name=s.name.text, origin=s.name.span)
     inner = scope.bind_named(s.name, local)
+    if value.type.kind == "real":
+        inner = inner.but(ranges={**scope.ranges, local.name: scope.computed_range(value)})
     if isinstance(value, ir.ArgumentOf) and value.type.kind == "agent":  # always somebody
         is_nobody = ir.Same(left=local, right=ir.Nobody())
         inner = inner.knowing([ir.Not(value=is_nobody)])
@@ -122,7 +125,19 @@ def draw(s: ast.Draw, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
         wanted = "`by` and the entries of a row, which are all different"
         raise scope.expected(s.name.span, wanted, "one value", "write `draw x by { a, b } from …`")
     local = ir.Local(type=statement.type, name=name, origin=s.name.span)
-    return statement, scope.bind_named(s.name, local)
+    inner = scope.bind_named(s.name, local)
+    if local.type.kind == "real":
+        inner = inner.but(ranges={**scope.ranges, name: _range_of_drawn(statement, scope)})
+    return statement, inner
+
+
+def _range_of_drawn(s: ir.Draw, scope: Scope) -> Range:
+    """Returns the range of a real that is drawn between two numbers, as it is computed."""
+    assert s.low is not None
+    assert s.high is not None
+    low, high = map(to_float32, map(scope.computed_range, (s.low, s.high)))
+    largest = max(low.largest, high.largest)
+    return rounded(Range(low.low, high.high, terms=largest, sound=low.sound and high.sound))
 
 
 def _of_row(s: ast.Draw, by: ast.By, one: ir.Draw, scope: Scope) -> ir.Draw:

@@ -3,7 +3,7 @@
 Conditions split into facts, and the intervals and words that these leave to an expression.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import ceil, floor, inf, isinf
@@ -15,8 +15,8 @@ from sjdsl.compiler.ir.equivalence import NONE, Form, Memo, Names, form, is_exac
 from sjdsl.compiler.ir.fold import BOUNDS, Analysis, fold
 from sjdsl.compiler.ir.linear import Linear, linear, narrowed_sum, not_negative
 from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS
-from sjdsl.compiler.ir.range_arithmetic import ends
-from sjdsl.compiler.ir.ranges import are_numbers, range_of
+from sjdsl.compiler.ir.range_arithmetic import Range, ends
+from sjdsl.compiler.ir.ranges import FloatRanges, are_numbers, range_of
 from sjdsl.compiler.ir.values import TOLERANCE
 
 STEP = 2.0**-23  # from a float32 to the next one, relative; at most
@@ -356,20 +356,61 @@ def narrow_word(e: ir.Expr, known: Iterable[Fact]) -> ir.Expr:
     return ir.Narrowed(type=ir.Type(kind="word", words=words), value=e, origin=e.origin)
 
 
-def narrowed_real(e: ir.Expr, known: Sequence[Fact]) -> tuple[float, float]:
+def narrowed_real(e: ir.Expr, known: Sequence[Fact], loose: bool = True) -> tuple[float, float]:
     """Returns the interval of a number as it is computed in float32.
 
     The facts about it and about its parts are used.
+
+    loose: whether a real may pass the ends that facts name, by `LOOSE`.
     """
 
     def limits(part: ir.Expr) -> Interval:
         low, high = _claimed(form(part), known)
         if part.type.kind == "int":
             return low, high
-        return ends(low - LOOSE * max(1.0, abs(low)), high + LOOSE * max(1.0, abs(high)))
+        return _loosened(low, high) if loose else ends(low, high)
 
     computed = range_of(e, limits)
     return computed.low, computed.high
+
+
+def computed_range(
+    e: ir.Expr,
+    known: Sequence[Fact],
+    required: Sequence[Fact],
+    variables: Mapping[str, Range],
+) -> Range:
+    """Returns the range of a number that is kept, as it is computed in float32.
+
+    Args:
+      known: facts from guards; these hold exactly of what is kept in fields and variables, whose
+        reals then decide, and up to rounding of what is computed of them.
+      required: facts from `require`s, which are tested up to a tolerance.
+      variables: the ranges of reals that `let` and `draw` name.
+    """
+
+    def limits(part: ir.Expr) -> Interval:
+        subject = form(part)
+        low, high = _claimed(subject, known)
+        required_low, required_high = _claimed(subject, required)
+        if part.type.kind == "int":
+            return max(low, required_low), min(high, required_high)
+        low, high = ends(low, high) if _is_kept(part) else _loosened(low, high)
+        required_low, required_high = _loosened(required_low, required_high)
+        return max(low, required_low), min(high, required_high)
+
+    return fold(e, FloatRanges(limits, variables))
+
+
+def _loosened(low: float, high: float) -> Interval:
+    return ends(low - LOOSE * max(1.0, abs(low)), high + LOOSE * max(1.0, abs(high)))
+
+
+def _is_kept(e: ir.Expr) -> bool:
+    """Returns whether a number is kept in a field, a variable or a parameter."""
+    if isinstance(e, ir.At) and e.key.type.kind != "mix":
+        return _is_kept(e.row)
+    return isinstance(e, ir.FieldRead | ir.Local | ir.ParamRef)
 
 
 def _claimed(subject: Form, known: Iterable[Fact]) -> Interval:

@@ -27,6 +27,7 @@ _KERNELS = {
     "rows": "entry highest lowest mix one_hot ramp shifted",
     "exact_reals": "divided exact_mix exact_ramp exact_sum exactly fixed_point rounded "
     "sum_in_order",
+    "elementary": "exact_root exponential logarithm powered root",
     "steering": "gains gains_around is_one_of",
     "line_of_sight": "nearest_in_lanes reached",
     "torus": "cells_on joined_edges shorter_way",

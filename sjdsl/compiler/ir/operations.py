@@ -7,6 +7,7 @@ for none by its name. The interpreter is the oracle and does not read this table
 meaning of each, and `tests/compiler/test_operations.py` compares the two.
 """
 
+import math
 import operator
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import KW_ONLY
@@ -17,10 +18,13 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.range_arithmetic import (
     FLOAT32,
+    SMALLEST,
     Range,
     differ_as_reals,
     disjoint,
+    rounded,
     to_float32,
+    whole_range,
 )
 from sjdsl.compiler.ir.types import SLACK, join_units, over_unit, times, times_unit
 
@@ -54,6 +58,20 @@ class Rounding(NamedTuple):
     terms: float
     steady: bool
     once: bool = True
+
+
+class Domain(NamedTuple):
+    """The numbers that a function takes, from `low` to `high`.
+
+    above: `low` isn't one of them. named: what messages call them; instead: an argument in their
+    place that is one of them.
+    """
+
+    low: float
+    high: float
+    above: bool
+    named: str
+    instead: str
 
 
 class Reduction(Record):
@@ -106,6 +124,8 @@ class Calculation(Function):
     divisor: int | None = None  # the argument that must not be 0
     apart: tuple[int, int] | None = None  # two arguments that must differ
     bounded: bool = False  # the argument must be known to stay within the limits of numbers
+    domain: Domain | None = None  # the argument must be known to be one of these
+    finite: bool = False  # the result must be known to stay in float32
 
     # the type of its result
     # From the units of its arguments; None if they do not mix.
@@ -207,6 +227,43 @@ def _nearest_whole(a: Interval) -> Interval:
     return low, high
 
 
+def _root(a: Interval) -> Interval:
+    """Returns the interval of square roots; what guards rule out counts as 0."""
+    return math.sqrt(max(a[0], 0.0)), math.sqrt(max(a[1], 0.0))
+
+
+def _exponential(a: Interval) -> Interval:
+    """Returns the interval of powers of e; the exponent ends at that of float32."""
+    low, high = (math.exp(min(end, GREATEST_EXPONENT)) for end in a)
+    return low if low >= SMALLEST else 0.0, high
+
+
+def _logarithm(a: Interval) -> Interval:
+    """Returns the interval of logarithms, from that of the least positive float32."""
+    return math.log(max(a[0], SMALLEST)), math.log(max(a[1], SMALLEST))
+
+
+def _power(a: Interval, exponent: Interval) -> Interval:
+    """Returns the interval of a power with a fixed exponent, a whole number that isn't negative."""
+    number = int(exponent[0])
+    low, high = (_multiplied(end, number) for end in a)
+    if number % 2:
+        return low, high
+    least = 0 if number and a[0] <= 0 <= a[1] else min(low, high)
+    return least, max(low, high)
+
+
+def _multiplied(base: float, number: int) -> float:
+    """Returns a power of a number; infinite beyond float32."""
+    try:
+        power: float = base**number
+    except OverflowError:
+        power = inf
+    if abs(power) <= FLOAT32:
+        return power
+    return -inf if base < 0 and number % 2 else inf
+
+
 # ---- slopes
 
 
@@ -247,6 +304,14 @@ def _ramp_slope(parts: Sequence[Moving], below: Callable[[int, int], bool]) -> S
     return OPPOSITE[value.slope] if one.high < zero.low or below(2, 1) else None
 
 
+def _power_slope(base: Moving, exponent: Moving) -> Slope | None:
+    """Returns the direction of a power with a fixed exponent."""
+    number = int(exponent.range.low)
+    if number == 0:
+        return "level"
+    return base.slope if number % 2 else _scaled(base.slope, base.range)
+
+
 # ---- ranges in float32
 
 
@@ -269,14 +334,58 @@ def _ramp_range(parts: Sequence[Range]) -> Range:
     return Range(0.0, 1.0, terms=1.0, rounded_once=False, sound=sound)
 
 
-def _operator(sign: str, gives: str, **columns: Any) -> Calculation:
-    """Returns the row of an operator between two numbers that is the same in arrays."""
+def _range_by(
+    interval: Callable[[Interval], Interval], domain: Domain
+) -> Callable[[Sequence[Range]], Range]:
+    """Returns the rule for the range of a function that is computed with several roundings."""
+
+    def range_(parts: Sequence[Range]) -> Range:
+        value = to_float32(parts[0])
+        low = min(max(value.low, domain.low), domain.high)
+        high = max(min(value.high, domain.high), domain.low)
+        low, high = interval((low, high))
+        largest = max(abs(low), abs(high))
+        return rounded(
+            Range(low, high, terms=largest, sound=value.sound, literal=value.literal), ROUNDINGS
+        )
+
+    return range_
+
+
+def _power_range(parts: Sequence[Range]) -> Range:
+    """Returns the range of a power, which is rounded once for each factor after the first."""
+    base, exponent = parts
+    low, high = _power((base.low, base.high), (exponent.low, exponent.high))
+    if base.whole:
+        return whole_range(low, high, base)
+    terms = _multiplied(base.terms, int(exponent.low))
+    finite = max(abs(low), abs(high)) <= FLOAT32
+    power = Range(
+        low,
+        high,
+        terms=terms,
+        steady=base.steady,
+        sound=base.sound and finite,
+        literal=base.literal,
+    )
+    return rounded(power, max(1.0, exponent.low))
+
+
+def _operator(sign: str, gives: str, array: str = "", **columns: Any) -> Calculation:
+    """Returns the row of an operator between two numbers. array: empty if it is the same there."""
+    uses = ((f"a {sign} b", gives),)
     return Calculation(
-        name=sign, uses=((f"a {sign} b", gives),), least=2, most=2, sign=sign, array=sign, **columns
+        name=sign, uses=uses, least=2, most=2, sign=sign, array=array or sign, **columns
     )
 
 
 # ---- the table
+
+GREATEST_EXPONENT = 88.0  # of e; e^89 is no float32
+ROUNDINGS = 4  # a root or a logarithm is off by less than so many units in the last place
+NOT_NEGATIVE = Domain(0.0, inf, False, "numbers from 0", "max({}, 0)")
+POSITIVE = Domain(SMALLEST, inf, True, "numbers above 0", "max({}, 0.001)")
+SMALL = Domain(-inf, GREATEST_EXPONENT, False, "numbers up to 88", "min({}, 88)")
 
 OPERATIONS: tuple[Function, ...] = (
     Function("count", (("count(D)", "how many members a domain has"),), ir.Count, word=True),
@@ -407,6 +516,48 @@ OPERATIONS: tuple[Function, ...] = (
         slope=lambda parts, _: _scaled(*parts[0]),
         array="jnp.abs",
     ),
+    Calculation(
+        name="sqrt",
+        uses=(("sqrt(x)", "the square root of a number that isn't negative"),),
+        yields=True,
+        domain=NOT_NEGATIVE,
+        unit=lambda _: "number",
+        kind="real",
+        fold=lambda x: math.sqrt(max(x, 0.0)),
+        interval=_root,
+        slope=lambda parts, _: parts[0].slope,
+        range=_range_by(_root, NOT_NEGATIVE),
+        array="root",
+        exact="exact_root",
+    ),
+    Calculation(
+        name="exp",
+        uses=(("exp(x)", "e to the power of x, which is at most 88"),),
+        yields=True,
+        domain=SMALL,
+        unit=lambda _: "number",
+        kind="real",
+        fold=lambda x: math.exp(min(x, GREATEST_EXPONENT)),
+        interval=_exponential,
+        slope=lambda parts, _: parts[0].slope,
+        range=_range_by(_exponential, SMALL),
+        array="exponential",
+        exact="exponential",
+    ),
+    Calculation(
+        name="log",
+        uses=(("log(x)", "the natural logarithm of a number above 0"),),
+        yields=True,
+        domain=POSITIVE,
+        unit=lambda _: "number",
+        kind="real",
+        fold=lambda x: math.log(max(x, SMALLEST)),
+        interval=_logarithm,
+        slope=lambda parts, _: parts[0].slope,
+        range=_range_by(_logarithm, POSITIVE),
+        array="logarithm",
+        exact="logarithm",
+    ),
     Function(
         "lowest", (("lowest(row)", "the first word of the row whose entry is above 0"),), ir.Lowest
     ),
@@ -528,6 +679,19 @@ OPERATIONS: tuple[Function, ...] = (
         fold=operator.mod,
         interval=lambda _, b: (0, b[1] - 1) if b[0] > 0 else (min(b[0] + 1, 0), max(b[1] - 1, 0)),
         slope=lambda *_: None,
+    ),
+    _operator(
+        "^",
+        "a to the power of b, a number that is written or a size",
+        verb="take a power of",
+        unit=lambda a, b: times_unit(a, a) if b in ("number", "count") else None,
+        finite=True,
+        fold=lambda a, b: _multiplied(a, int(b)),
+        interval=_power,
+        slope=lambda parts, _: _power_slope(*parts),
+        range=_power_range,
+        array="powered",
+        exact="powered",
     ),
 )
 COMPARISONS: dict[str, Comparison] = {

@@ -3,8 +3,8 @@
 The rules are followed down to what is given.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from math import inf, isnan
 
 from sjdsl.compiler import ir
@@ -26,7 +26,7 @@ from sjdsl.compiler.ir.range_arithmetic import (
     to_float32,
     whole_range,
 )
-from sjdsl.compiler.ir.types import without_zero
+from sjdsl.compiler.ir.types import has_limits, without_zero
 
 Limits = Callable[[ir.Expr], tuple[float, float]]
 
@@ -42,10 +42,12 @@ class FloatRanges(Analysis[Range]):
 
     limits: the interval that is known of a number from elsewhere, as from a guard; not used where
     other variables are bound, or of another state.
+    variables: the ranges of reals that `let` and `draw` name, where they are known.
     """
 
     rules = BOUNDS
     limits: Limits = no_limits
+    variables: Mapping[str, Range] = field(default_factory=dict)
 
     def leaf(self, e: ir.Expr) -> Range:
         """Returns the range of an expression without parts that bound it."""
@@ -57,9 +59,12 @@ class FloatRanges(Analysis[Range]):
                 low = max(e.type.low, -MAX_VALUE)
                 high = min(e.type.high, MAX_VALUE)
                 return range_of_type(ir.Type(kind="real", low=low, high=high))
-            case ir.FieldRead() | ir.Local() if e.type.kind == "real":
-                # added to or computed, so that it may have left float32
-                return replace(range_of_type(e.type), sound=False)
+            case ir.FieldRead() if e.type.kind == "real":
+                # Without limits it may have been added to until it has left float32.
+                return replace(range_of_type(e.type), sound=has_limits(e.type))
+            case ir.Local() if e.type.kind == "real":
+                computed = replace(range_of_type(e.type), sound=False)
+                return self.variables.get(e.name, computed)
             case _ if is_number_of_cells(e):
                 return range_of_type(e.type.model_copy(update={"low": e.type.high}))
             case ir.EventTotal():
@@ -79,11 +84,11 @@ class FloatRanges(Analysis[Range]):
 
     def inside(self, _domain: ir.Domain) -> "FloatRanges":
         """Returns the ranges without limits, as other variables are bound there."""
-        return FloatRanges()
+        return FloatRanges(variables=self.variables)
 
     def before(self) -> "FloatRanges":
         """Returns the ranges without limits, as these are of another state."""
-        return FloatRanges()
+        return FloatRanges(variables=self.variables)
 
     def calculated(self, e: ir.Arithmetic, parts: list[Range]) -> Range:
         """Returns the range of a number that is calculated from others."""

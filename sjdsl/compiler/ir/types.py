@@ -43,6 +43,11 @@ def is_number(type_: ir.Type) -> bool:
     return type_.kind in ("int", "real") and not type_.indexed_by
 
 
+def has_limits(type_: ir.Type) -> bool:
+    """Returns whether numbers have a least and a greatest value."""
+    return type_.low > -inf and type_.high < inf
+
+
 def describe(type_: ir.Type) -> str:
     """Returns what an author would call values of this type."""
     if type_.indexed_by:

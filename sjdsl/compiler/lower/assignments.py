@@ -565,7 +565,9 @@ def finish(w: Writer) -> None:
         if is_exact:
             node = call("rounded", node)
         if declared.capped:
-            node = call("jnp.clip", node, int(declared.type.low), int(declared.type.high))
+            number = float if dtype == "f32" else int
+            low = number(declared.type.low)
+            node = call("jnp.clip", node, low, number(declared.type.high))
         if stored_dtype not in ("i32", "f32"):
             node = Cast(node, stored_dtype)
         w.assign(attribute, node)

@@ -317,7 +317,8 @@ def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
         return literal(operation.fold(args[0].number), args_dtype)
     if is_operator:
         return replace(args[0], node=Unary(operation.array, args[0].node))
-    if are_literal and operation.rounding is None:
+    is_rounded = operation.rounding is not None or operation.exact
+    if are_literal and (is_whole or not is_rounded):
         numbers = [a.number if args_dtype == dtype else float32(a.number) for a in args]
         return literal(operation.fold(*numbers), dtype)
     # A function of arrays; one of any number of arguments takes two at a time.

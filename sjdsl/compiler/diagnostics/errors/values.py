@@ -110,6 +110,11 @@ class FieldRange(AboutName, code="SJ204", title="A field can leave its range"):
     reached: str
 
 
+class LeavesFloat32InField(FieldRange):
+    says = "`{name}` gets a number that may leave float32, and then is in no range"
+    hints = ("compute it from fields and params with limits, such as `number in 0 .. 10`",)
+
+
 class WordOutside(Diagnostic, code="SJ205", title="Not one of the words"):
     """owner: what has the words, as written. declared: the field or event that declares them."""
 
@@ -274,8 +279,20 @@ class NotChosen(Diagnostic, code="SJ219", title="An argument of an action that w
     path: str
 
 
+class PowerTooLarge(Diagnostic, code="SJ221", title="A number that a function does not take"):
+    says = "this power can be too large for float32"
+    hints = ("give its numbers limits, `in a .. b`, or bound them with `min` and `max`",)
+
+
+class OutsideDomain(PowerTooLarge):
+    says = "`{name}` takes {taken}, and this can be {reached}"
+    name: str
+    taken: str
+    reached: str
+
+
 # Mistakes that a guard can rule out: reported only where the guards around could be read.
 GUARDABLE = (
     ProbabilityRange, TableGap, FieldRange, WordOutside, ZeroDivisor, EmptyMix, CanBeNobody,
-    Weights, Crossed, ExtremeOfNothing, NotChosen,
+    Weights, Crossed, ExtremeOfNothing, NotChosen, PowerTooLarge,
 )  # fmt: skip

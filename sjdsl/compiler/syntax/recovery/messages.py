@@ -37,7 +37,7 @@ MISPLACED = (
 VALUES = frozenset(
     ("NAME", "INT", "DEC", "COUNT", "SUM", "CASE", "LPAR", "NOBODY", "SIGN", "ANY", "ALL")
 )
-OPERATORS = frozenset(("CMP", "SIGN", "TIMES", "AND", "OR", "IS", "IN", "ON", "CHOSE"))
+OPERATORS = frozenset(("CMP", "SIGN", "TIMES", "POWER", "AND", "OR", "IS", "IN", "ON", "CHOSE"))
 GROUPS = (
     (STATEMENTS, "a statement"),
     (SECTIONS, "a declaration"),
