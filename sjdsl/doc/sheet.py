@@ -96,9 +96,7 @@ def _task(w: Written) -> list[str]:
     if task.hold_outs:
         left = counted(tasks_with(rows_of_training(task), task), "task")
         sides.append(f"To train on: {left}.")
-    written = [*c.tasks.values(), *c.held_out.values()]
-    if c.train_on is not None:
-        written.insert(1, c.train_on)
+    written = (*c.tasks.values(), c.train_on, *c.held_out.values())
     return [" ".join([f"Drawn for each episode: {space}.", *sides]), "", *quoted(c, written)]
 
 

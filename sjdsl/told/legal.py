@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import blocks_always, contains, kind_named
+from sjdsl.compiler.ir.queries import blocks_always, body_sort, contains, kind_named
+from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.lower.cell_appearance import OUTSIDE
-from sjdsl.runtime.actions import DIRECTIONS, HEADINGS, STEPS
+from sjdsl.runtime.actions import DIRECTIONS, HEADINGS, STEPS, TURNS
 from sjdsl.told.window import FIRST_OTHER, Place, Planes, Window
 
 
@@ -39,6 +40,19 @@ def has_built_in_moves(game: ir.Game) -> bool:
     )
 
 
+def looks_north(game: ir.Game) -> bool:
+    """Returns whether all agents look north all the time, as they do before they are sent."""
+    if has_built_in_moves(game) and set(TURNS) & set(game.agents.actions):
+        return False
+    sent = (
+        node
+        for phase in (game.start, *game.schedule)
+        for node in ir.walk(phase)
+        if isinstance(node, ir.Send | ir.Shift) and body_sort(node.who) == AGENTS
+    )
+    return all(node.facing in ("north", "same") for node in sent)
+
+
 def _end_of_step(name: str, window: Window, seen: Planes) -> str | None:
     """Returns what is on the cell that a step leads to; None if that isn't known."""
     me = window.own_place(seen)
@@ -47,6 +61,8 @@ def _end_of_step(name: str, window: Window, seen: Planes) -> str | None:
     quarters = STEPS[name]
     if not window.game.agents.relative:
         heading = window.uniform_value(seen, "agent.heading")
+        if heading is None and looks_north(window.game):
+            heading = "north"
         if heading not in HEADINGS:
             return None
         quarters = (quarters - HEADINGS.index(heading)) % 4

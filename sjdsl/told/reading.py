@@ -4,6 +4,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import kinds_by_glyph
 from sjdsl.compiler.lower.cell_appearance import COVERED
 from sjdsl.doc.wording import joined
+from sjdsl.told.legal import has_built_in_moves, looks_north
 from sjdsl.told.phrases import English
 from sjdsl.told.relevance import Relevant
 from sjdsl.told.window import Window
@@ -19,7 +20,7 @@ def reading(relevant: Relevant, window: Window, english: English) -> list[str]:
         f"You see the cells from {seen.ahead} ahead of you to {seen.behind} behind, and from "
         f"{seen.left} to your left to {seen.right} to your right.",
         *_views(seen, english),
-        "The window turns with you: its top is the way you look. ME is you. ## is outside the grid.",
+        f"{_top(game, window)} ME is you. ## is outside the grid.",
     ]
     if game.agents.number > 1:
         lines.append(
@@ -49,6 +50,18 @@ def reading(relevant: Relevant, window: Window, english: English) -> list[str]:
     if unseen:
         lines.append(f"You are not shown: {joined(unseen)}.")
     return lines
+
+
+def _top(game: ir.Game, window: Window) -> str:
+    """Returns which way the top of the window is."""
+    if looks_north(game):
+        return "You always look north, so the top of the window is north."
+    top = "The window turns with you: its top is the way you look"
+    if game.agents.relative or not has_built_in_moves(game):
+        return f"{top}."
+    if any(plane.name == "agent.heading" for plane in window.planes):
+        return f"{top}, which agent.heading says. Steps go by the compass."
+    return f"{top}, which you are not told. Steps go by the compass."
 
 
 def _views(window: ir.Window, english: English) -> list[str]:

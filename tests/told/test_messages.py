@@ -153,6 +153,30 @@ def test_a_step_leads_to_what_it_says() -> None:
     assert checked > 50
 
 
+@pytest.mark.parametrize(("name", "knows"), [("lb_foraging", True), ("ferry", False)])
+def test_compass_steps_lead_somewhere_if_the_way_north_is_known(name: str, knows: bool) -> None:
+    """In lb_foraging all always look north; in ferry nobody is told which way it looks."""
+    g = game(name)
+    window = Window(g, token_planes(g))
+    params = {param.name: param.value for param in g.params}
+    *_, (world, _, _) = episode(g, 5)
+    checked = 0
+    for agent, seen in enumerate(observe(g, world)):
+        for line in action_lines(window, seen, action_mask(g, world)[agent]):
+            action, arrow, end = line.partition(" -> ")
+            assert knows or not arrow
+            if arrow and "agent" not in end:
+                stay = g.agents.actions.index("stay")
+                actions = [stay] * g.agents.number
+                actions[agent] = g.agents.actions.index(action)
+                after, _ = step(g, world, actions, params, Threefry(5, 0))
+                has_moved = after.position[agent] != world.position[agent]
+                is_open = end == "start" or end.endswith("none")
+                assert has_moved == is_open
+                checked += 1
+    assert (checked > 5) == knows
+
+
 def test_who_is_away_sees_nothing() -> None:
     g = game("predator_prey")
     window = Window(g, token_planes(g))

@@ -24,10 +24,7 @@ EXTENDS = (
     "nothing is imported, but a game can change another: "
     '`game mine "Mine" extends "other.sj" { … }`'
 )
-GOAL = (
-    "after `when` comes an action, `when agent.bag > 3 choose stay`; "
-    "a goal has its condition inside, `seek tree where agent.bag > 3`"
-)
+GOAL = "a goal stands without `choose`: `when agent.bag > 3 seek tree`"
 IN = "after `in` stands a range, `1 .. 3`, or words in braces, `{ red, green }`"
 OWNER = "functions have no owner: `round(x)`, `min(a, b)`, `abs(x)`"
 OWN_FIELDS = (
@@ -177,7 +174,6 @@ SLIPS = {
     "choose": {
         "(do|then|take|:|->) .*": "`choose` names the action: `when agent.bag > 3 choose stay`",
         r"\{ .*": "a rule of a policy has no braces: `when agent.bag > 3 choose stay`",
-        "(seek|aim) .*": GOAL,
     },
     "where": {"if|with|having|whose|who": WHERE, "such that .*": WHERE},
     "in": {
@@ -349,9 +345,6 @@ SLIPS = {
         r"move ¦ (to|toward|forward|agent|\w+ to) .*":
             "a rule moves an agent with `send`, `send agent to grass`; "
             "`move each agent` does what the agents chose",
-        r"facing \w+ ¦ [.\[] .*":
-            "after `facing` stands no field: write each case, "
-            "`when road.way is north { send agent to grass facing north }`",
         # declarations that begin as ours do
         r"timer \w+ ¦ by .*":
             "a timer has no entries: count a row down with `add -1`, "
