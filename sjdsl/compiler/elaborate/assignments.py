@@ -182,7 +182,7 @@ def _check_added_real(
         if not added.sound or added.largest * MOST_ADDED > FLOAT32:
             raise _leaves_reals(s.value.span, target, replace(added, sound=False), scope)
         return
-    type_ = ir.Type(kind="real", unit=target.type.unit, by=target.type.by)
+    type_ = ir.Type(kind="real", unit=target.type.unit, indexed_by=target.type.indexed_by)
     total = ir.Arithmetic(type=type_, fn="+", args=(target, value))
     reached = scope.computed_range(total)
     if not _is_within(reached, target.type):
