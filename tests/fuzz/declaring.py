@@ -289,6 +289,15 @@ def a_field(w: World, name: str, sets: bool, sort: str = "") -> Field:
             return Field(
                 name, ir.Type(kind="agents", indexed_by=by), f"field {name}{rows} : set of agent"
             )
+        case "real" if w.is_now(0.4):
+            is_capped = w.is_now(0.7)
+            range_ = "number in -4 .. 4 capped" if is_capped else "number in -4 .. 4"
+            return Field(
+                name,
+                ir.Type(kind="real", unit="number", low=-4, high=4, indexed_by=by),
+                f"field {name}{rows} : {range_} = {r.choice((0.5, -1, 0.1))}",
+                capped=is_capped,
+            )
         case "real":
             start = r.choice(("", "", " = 1.5", " = -0.25"))
             return Field(

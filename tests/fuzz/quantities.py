@@ -111,6 +111,7 @@ def real(scope: Scope, unit: str, depth: int) -> Typed:
         "whole",
         "define",
         "ramp",
+        "elementary",
     ]
     if scope.counts:
         choices += ["total", "share", "mix", "over"]
@@ -133,6 +134,8 @@ def real(scope: Scope, unit: str, depth: int) -> Typed:
             return integer(scope, "number", depth - 1)
         case "ramp" if unit in ("fraction", "number"):
             return ramp(scope, depth)
+        case "elementary":
+            return elementary(scope, depth)
         case "share" if unit == "fraction":
             return share(scope, depth)
         case "mix":
@@ -240,6 +243,24 @@ def quotient(scope: Scope, unit: str, depth: int) -> Typed:
     return f"({left[0]}) / {divisor[0]}", real_type(low, high, left[1].unit)
 
 
+def elementary(scope: Scope, depth: int) -> Typed:
+    """Returns a root, an exponential, a logarithm or a power of a number that it takes."""
+    r = scope.world.random
+    inner = real(scope, "number", depth - 1)
+    match r.choice(("sqrt", "exp", "log", "product", "power")):
+        case "sqrt":
+            return f"sqrt({fitted(inner, 0, 9)})", real_type(0, 3, "number")
+        case "exp":
+            return f"exp({fitted(inner, -5, 2)})", real_type(0, 7.4, "number")
+        case "log":
+            return f"log({fitted(inner, 1, 9)})", real_type(0, 2.2, "number")
+        case "product":
+            return f"({fitted(inner, -3, 3)} * 1.0) ^ 3", real_type(-27, 27, "number")
+        case _:
+            exponent = r.choice((0.5, 1.5, -0.5))
+            return f"({fitted(inner, 1, 4)}) ^ {exponent}", real_type(0.5, 8, "number")
+
+
 # Functions of any numbers; those that want more of them, and reals alone, are made one by one.
 PLAIN = [
     row
@@ -249,6 +270,7 @@ PLAIN = [
         or row.whole_only
         or row.bounded
         or row.apart
+        or row.domain is not None
         or row.divisor is not None
         or row.kind == "real"
     )

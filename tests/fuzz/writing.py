@@ -1,6 +1,7 @@
 """Random `set` and `add`: mostly writes that surely agree, sometimes others, for the compiler to judge."""
 
 from dataclasses import dataclass, field, replace
+from math import inf
 
 from sjdsl.compiler import ir
 from sjdsl.runtime.actions import HEADINGS
@@ -181,6 +182,8 @@ def value(scope: Scope, f: Field, depth: int) -> Typed | None:
             return fitted(integer(scope, "steps", depth), 0, w.random.choice((2, 4))), one
         case "int":
             return fitted(integer(scope, type_.unit, depth), type_.low, type_.high), one
+        case "real" if type_.high < inf:
+            return f"min(max({_number(scope, type_, depth)}, {type_.low}), {type_.high})", one
         case "real":
             return real(scope, "reward", depth)[0], one
         case "agent":
@@ -207,6 +210,8 @@ def _add(
     depth: int,
 ) -> Lines:
     w, type_ = scope.world, f.type
+    if type_.kind == "real" and type_.high < inf and not f.capped:
+        return []
     guarded = type_.kind == "int" and not f.capped
     sort = "bound" if guarded else "add"
     if not bold and (not written.allows(keys, sort) or (guarded and not own)):
@@ -258,6 +263,8 @@ def _entry(scope: Scope, f: Field, text: str) -> str:
 
 
 def _number(scope: Scope, type_: ir.Type, depth: int) -> str:
+    if type_.kind == "real" and type_.high < inf:  # a reward may leave float32, a whole number not
+        return f"{fitted(integer(scope, 'number', depth), -5, 9)} * 0.3"
     if type_.kind == "real":
         return real(scope, "reward", depth)[0]
     return fitted(integer(scope, type_.unit, depth), -5, 9)
