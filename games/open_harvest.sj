@@ -123,7 +123,7 @@ game open_harvest "Open Harvest" {
     always not before(dead) or dead or step == 0
     symmetric agents  expect hits == 0 with never(zap) over 5 episodes
   }
-  # Points in an episode: greedy 199 (182 to 216), oracle 831 (706 to 956); OpenSocialJax's own: 169 to 204, and 541 to 673.
+  # Points in an episode: greedy 193 (183 to 202), oracle 790 (726 to 855); OpenSocialJax's own: 169 to 204, and 541 to 673.
   define keep       = 3   # ours: what regrow_3 asks for
   define harvest    = 40  # ours: steps that are left when all is gathered in
   define good(cell) = has_apple(cell) and rank(pay_order[cell.hue], cell.fruit) is best
