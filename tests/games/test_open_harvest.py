@@ -99,7 +99,7 @@ def test_how_fast_a_cell_bears_depends_on_the_stage_at_which_its_last_apple_was_
     order: str,
 ) -> None:
     for place, letter in enumerate(order):
-        params = {**NONE_GROWS, "regrow_3": 0.25}
+        params: dict[str, Any] = {**NONE_GROWS, "regrow_3": 0.25}
         speeds = dict.fromkeys(RANKS, 0.0)
         params["speed"] = {**speeds, RANKS[place]: 4.0}
         for taken in STAGES.values():
@@ -114,7 +114,7 @@ def test_who_is_hit_stands_at_a_gate_and_cannot_act_and_a_zap_needs_a_pause() ->
     scene = put("bbb.", "b>b<", "PPPP", under={0: "b"}, params=NONE_GROWS)
     scene.step("zap, stay").has({"event hits": [1, 0], "agent.frozen": [0, 12]})
     place = scene.places()[1]
-    assert place[0] == 2
+    assert place is not None and place[0] == 2
     scene.has({"allowed zap": [False, False], "allowed forward": [True, False]})
     scene.step("stay, forward", times=2).has({"allowed zap": [True, False]})
     scene.step("stay, forward", times=10).has({"allowed forward": [True, True]})
