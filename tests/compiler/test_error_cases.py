@@ -21,6 +21,7 @@ from sjdsl.compiler.syntax.parse import parse
 from sjdsl.compiler.syntax.read import read_source
 
 ERRORS = Path(__file__).parent.parent / "errors"
+MANUAL = (ERRORS.parents[1] / "docs" / "language.md").read_text(encoding="utf-8")
 CASES = sorted(path.stem for path in ERRORS.glob("*.sj"))
 # Cases that cannot be kept as files: the bytes of the file, None for no file, "folder" and "pipe" for those, "link" for a folder of maps that is one.
 MADE: dict[str, bytes | str | None] = {
@@ -95,7 +96,9 @@ def test_every_kind_of_mistake_has_a_case(monkeypatch: pytest.MonkeyPatch) -> No
 
 @pytest.mark.parametrize("code", all_codes())
 def test_every_code_is_explained(code: str) -> None:
-    assert explain(code).startswith(f"# {code}: {all_codes()[code].title}\n")
+    title = all_codes()[code].title
+    assert explain(code).startswith(f"# {code}: {title}\n")
+    assert f"`{code}` {title}" in MANUAL
 
 
 def test_an_unknown_code_is_refused_with_the_nearest() -> None:
