@@ -135,7 +135,7 @@ class English(Analysis[Phrase]):
             case ir.At():
                 return self._entry(e)
             case ir.Step():
-                return _simple("the number of finished steps")
+                return _simple("the number of the step")
             case ir.Arithmetic():
                 return self._arithmetic(e)
             case ir.Case():
@@ -445,11 +445,13 @@ class English(Analysis[Phrase]):
                 assert_never(restriction)
 
     def shape(self, shape: str, anchor: ir.Member) -> str:
-        """Returns `the zapper's beam`, `disc(2) around the soil`."""
+        """Returns `the zapper's beam`, ``the shape `disc(2)` around the soil``."""
         who = self.naming.refer(anchor)
-        if self.naming.shapes[shape].directed:
-            return f"{who}'s {shape}"
-        return f"{shape} around {who}"
+        if not self.naming.shapes[shape].directed:
+            return f"the shape `{shape}` around {who}"
+        if self.naming.is_ambiguous(shape):
+            return f"{who}'s shape `{shape}`"
+        return f"{who}'s {shape}"
 
     def _clauses(self, d: ir.Domain) -> tuple[list[str], list[str], list[str]]:
         """Returns what is said of the member, of the cell under it, and everything else."""

@@ -48,7 +48,7 @@ def names_of(g: ir.Game) -> set[str]:
     found = kinds | {movers.name for movers in g.movers}
     found |= {shape.name for shape in g.shapes}
     found |= {action.partition("(")[0] for action in g.agents.actions}
-    found |= {param.name for param in g.params if param.type.by}
+    found |= {param.name for param in g.params if param.type.indexed_by}
     for field in all_fields(g):
         if field.held_by.what != "cell" or field.held_by.name in kinds:
             found |= {field.name, *field.type.words}
@@ -135,7 +135,7 @@ def test_an_environment_is_told_as_its_game(name: str) -> None:
 def test_the_space_of_a_task_is_told() -> None:
     text = told(game("tasks"))
     assert "(233,280 ways, all equally likely)" in text  # 3 * 720 * 27 * 4
-    assert "pay: for each of red, green and blue a whole number from 0 to 9" in text
+    assert "pay: for each of red, green and blue, a whole number from 0 to 9" in text
     assert "no two the same" in text
 
 
