@@ -31,7 +31,7 @@ SIGNS = {"*": "×", "/": "÷", "+": "+", "-": "-"}
 # Of functions whose name doesn't say enough; all others are written `name(a, b)`.
 CALCULATED: Mapping[str, Callable[..., str]] = {
     "ramp": lambda x, zero, one: (
-        f"a number that rises in a straight line from 0 where {x} is {zero} to 1 where it is {one}, "
+        f"a number that goes in a straight line from 0 where {x} is {zero} to 1 where it is {one}, "
         "and stays at 0 and 1 beyond"
     ),
     "quotient": lambda a, b: f"{a} ÷ {b} rounded down",
