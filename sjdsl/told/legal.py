@@ -40,9 +40,14 @@ def has_built_in_moves(game: ir.Game) -> bool:
     )
 
 
+def can_turn(game: ir.Game) -> bool:
+    """Returns whether agents turn as they choose."""
+    return has_built_in_moves(game) and bool(set(TURNS) & set(game.agents.actions))
+
+
 def looks_north(game: ir.Game) -> bool:
     """Returns whether all agents look north all the time, as they do before they are sent."""
-    if has_built_in_moves(game) and set(TURNS) & set(game.agents.actions):
+    if can_turn(game):
         return False
     sent = (
         node

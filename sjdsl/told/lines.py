@@ -9,7 +9,21 @@ WIDEST = 240  # characters of a sentence that takes those inside it onto its own
 # A name of the game at the beginning of a sentence keeps its small letter.
 OPENERS = frozenset(
     (
-        *("a", "agent", "all", "an", "at", "cell", "each", "every", "if", "in", "let", "moves"),
+        *(
+            "a",
+            "agent",
+            "all",
+            "an",
+            "at",
+            "cell",
+            "each",
+            "every",
+            "for",
+            "if",
+            "in",
+            "let",
+            "moves",
+        ),
         *("one", "otherwise", "pairs", "the", "what", "who", "with"),
     )
 )
@@ -41,11 +55,12 @@ def joined_to_one(line: Line) -> Line:
     """Returns a sentence with those inside it as one, if that is short.
 
     Only the last sentence inside may hold others: what follows would seem to belong to it. A
-    condition takes no other one: an "otherwise" that follows would seem to belong to that.
+    condition takes no other one: an "otherwise" that follows would seem to belong to that. It
+    takes one sentence alone: of several, the last ones would seem to hold without it.
     """
     inside = tuple(map(joined_to_one, line.inside))
     if line.text.startswith(CONDITIONS):
-        if any(inner.text.startswith(CONDITIONS) for inner in inside):
+        if len(inside) > 1 or any(inner.text.startswith(CONDITIONS) for inner in inside):
             return Line(line.text, inside)
     is_open = [inner.is_joined or inner.inside for inner in inside]
     if inside and not any(is_open[:-1]) and not inside[-1].inside:

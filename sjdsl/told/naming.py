@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import declared_field
+from sjdsl.compiler.ir.queries import all_fields, declared_field
 from sjdsl.doc.wording import joined, number
 
 SHORTEST = 3  # letters of a variable's name that can stand for a noun, such as `zapper`
@@ -33,6 +33,11 @@ class Naming:
         """The kinds of cell that are on the map."""
         glyphs = set().union(*self.game.rows)
         return frozenset(glyph.kind for glyph in self.game.glyphs if glyph.glyph in glyphs)
+
+    def is_ambiguous(self, shape: str) -> bool:
+        """Returns whether an action or a field has the name of a shape as well."""
+        names = {field.name for field in all_fields(self.game)}
+        return shape in names | set(self.game.agents.actions)
 
     @property
     def somebody(self) -> str:

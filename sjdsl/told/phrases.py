@@ -31,7 +31,7 @@ SIGNS = {"*": "×", "/": "÷", "+": "+", "-": "-"}
 # Of functions whose name doesn't say enough; all others are written `name(a, b)`.
 CALCULATED: Mapping[str, Callable[..., str]] = {
     "ramp": lambda x, zero, one: (
-        f"a number that rises in a straight line from 0 where {x} is {zero} to 1 where it is {one}, "
+        f"a number that goes in a straight line from 0 where {x} is {zero} to 1 where it is {one}, "
         "and stays at 0 and 1 beyond"
     ),
     "quotient": lambda a, b: f"{a} ÷ {b} rounded down",
@@ -135,7 +135,7 @@ class English(Analysis[Phrase]):
             case ir.At():
                 return self._entry(e)
             case ir.Step():
-                return _simple("the number of finished steps")
+                return _simple("the number of the step")
             case ir.Arithmetic():
                 return self._arithmetic(e)
             case ir.Case():
@@ -445,11 +445,13 @@ class English(Analysis[Phrase]):
                 assert_never(restriction)
 
     def shape(self, shape: str, anchor: ir.Member) -> str:
-        """Returns `the zapper's beam`, `disc(2) around the soil`."""
+        """Returns `the zapper's beam`, ``the shape `disc(2)` around the soil``."""
         who = self.naming.refer(anchor)
-        if self.naming.shapes[shape].directed:
-            return f"{who}'s {shape}"
-        return f"{shape} around {who}"
+        if not self.naming.shapes[shape].directed:
+            return f"the shape `{shape}` around {who}"
+        if self.naming.is_ambiguous(shape):
+            return f"{who}'s shape `{shape}`"
+        return f"{who}'s {shape}"
 
     def _clauses(self, d: ir.Domain) -> tuple[list[str], list[str], list[str]]:
         """Returns what is said of the member, of the cell under it, and everything else."""

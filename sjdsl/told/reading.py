@@ -3,12 +3,13 @@
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import kinds_by_glyph
 from sjdsl.compiler.lower.cell_appearance import COVERED
-from sjdsl.doc.wording import joined
+from sjdsl.doc.wording import joined, number
 from sjdsl.told.legal import has_built_in_moves, looks_north
 from sjdsl.told.phrases import English
 from sjdsl.told.relevance import Relevant
 from sjdsl.told.window import Window
 
+NOBODY = "nobody"  # the label of `other.` planes where no agent is
 MOST_CODES = 40  # of a game whose text lists them; otherwise they stand in each message alone
 
 
@@ -22,7 +23,9 @@ def reading(relevant: Relevant, window: Window, english: English) -> list[str]:
         *_views(seen, english),
         f"{_top(game, window)} ME is you. ## is outside the grid.",
     ]
-    if game.agents.number > 1:
+    if game.agents.number > 1 and looks_north(game):
+        lines.append("A^ are other agents.")
+    elif game.agents.number > 1:
         lines.append(
             "A^ A> Av A< are other agents: ^ looks the way you do, > to your right, v toward you, "
             "< to your left."
@@ -41,7 +44,7 @@ def reading(relevant: Relevant, window: Window, english: English) -> list[str]:
         lines.append(f"Other codes: {'; '.join(named)}.")
     else:
         lines.append("Below each window is the meaning of its codes.")
-    lines += _planes(window)
+    lines += _planes(window, game)
     conditions = _conditions(game, english)
     if conditions:
         lines.append("What is shown depends on the state so (the agent is you):")
@@ -77,20 +80,37 @@ def _views(window: ir.Window, english: English) -> list[str]:
     return lines
 
 
-def _planes(window: Window) -> list[str]:
+def _planes(window: Window, game: ir.Game) -> list[str]:
     """Returns what is said below a window, with the values that it can have."""
     lines = []
+    timers = {f"agent.{field.name}" for field in game.agents.fields if field.timer}
+    lowest = {
+        observable.field: observable.type.low
+        for observable in game.observables
+        if observable.what in ("own", "other") and observable.type.kind == "int"
+        if observable.hidden_when is None and observable.shown_when is None
+    }
+    timers |= {name.replace("agent.", "other.") for name in timers}
     for plane in window.planes[2:]:
         if plane.encoding == "number":
-            lines.append(f"- {plane.name}: 0 to {plane.high}")
+            low = number(lowest.get(plane.name.partition(".")[2], 0))
+            values = "a timer" if plane.name in timers else f"{low} to {plane.high}"
+            lines.append(f"- {plane.name}: {values}")
         elif plane.name != "marks":
-            lines.append(f"- {plane.name}: {', '.join(plane.labels)}")
+            labels = list(plane.labels)
+            if plane.name.startswith("other.") and labels[0] == NOBODY:
+                labels = labels[1:]  # it is said of agents alone
+            lines.append(f"- {plane.name}: {', '.join(labels)}")
     if lines:
         head = "Below the window stand (`agent.` is your own, `other.` of others in view):"
         lines.insert(0, head)
     marks = next((plane for plane in window.planes if plane.name == "marks"), None)
     if marks is not None:
-        lines.insert(0, f"Marks of the last step are listed by stage: {joined(marks.labels)}.")
+        stages = joined(marks.labels)
+        lines.insert(
+            0,
+            f"Below the window stand the cells that the last step marked, by stage ({stages}).",
+        )
     return lines
 
 
@@ -115,7 +135,10 @@ def _conditions(game: ir.Game, english: English) -> list[str]:
         if observable.hidden_when is not None:
             texts.append(f"{name} is hidden if {english.text(observable.hidden_when)}")
         if observable.shown_when is not None:
-            texts.append(f"{name} is shown only if {english.text(observable.shown_when)}")
+            shown = f"{name} is shown only if {english.text(observable.shown_when)}"
+            texts.append(
+                f"{shown}; else it is {'0' if observable.type.kind == 'int' else 'hidden'}"
+            )
     for hidden in game.hidden:
         what = "marks are" if hidden.what == "marks" else "what a cell is, is"
         match hidden.on:

@@ -32,7 +32,7 @@ def relevant(game: ir.Game) -> Relevant:
     blocks = [block for kind in game.kinds for block in kind.blocks]
     read: set[FieldName] = set()
     for node in (*outside, *blocks, game.window, game.episode):
-        read |= _read(node)
+        read |= fields_read(node)
     for observable in game.observables:
         read.add((observable.sort.what, observable.sort.name, observable.field))
     marking = {phase.name for phase in seen_marks(game)}
@@ -40,7 +40,7 @@ def relevant(game: ir.Game) -> Relevant:
     while True:
         found = set(read)
         for phase in (pruned.start, *pruned.schedule):
-            found |= _read(phase)
+            found |= fields_read(phase)
         if found == read:
             return Relevant(pruned, frozenset(read))
         read = found
@@ -68,18 +68,28 @@ def _names(read: ir.FieldRead) -> set[FieldName]:
     }
 
 
-def _read(node: ir.Node) -> set[FieldName]:
+def fields_read(node: ir.Node) -> set[FieldName]:
     """Returns the fields that a part of the rules reads; what it only writes isn't read."""
     if isinstance(node, ir.FieldRead):
-        inner = set() if node.owner is None else _read(node.owner)
+        inner = set() if node.owner is None else fields_read(node.owner)
         return inner | _names(node)
     if isinstance(node, ir.Set | ir.Add):
         field = written_field(node.target)
         parts = [node.value, *written_keys(node.target)]
         if field.owner is not None:
             parts.append(field.owner)
-        return set().union(*map(_read, parts))
-    return set().union(*map(_read, ir.children(node)))
+        return set().union(*map(fields_read, parts))
+    return set().union(*map(fields_read, ir.children(node)))
+
+
+def set_in(body: tuple[ir.Stmt, ...]) -> set[FieldName]:
+    """Returns the fields that a block sets for sure, whatever the state."""
+    return {
+        name
+        for statement in body
+        if isinstance(statement, ir.Set) and isinstance(statement.target, ir.FieldRead)
+        for name in _names(statement.target)
+    }
 
 
 class _Pruner:

@@ -1,9 +1,12 @@
 """The text that a player is told before an episode: all rules of a game, in English."""
 
+from collections import Counter
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Any, assert_never
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.free_variables import free_variables, renamed
 from sjdsl.compiler.ir.queries import (
     blocks_always,
     body_sorts,
@@ -12,27 +15,30 @@ from sjdsl.compiler.ir.queries import (
 )
 from sjdsl.compiler.lower.cell_appearance import token_planes
 from sjdsl.doc.actions import COMPASS, RELATIVE
-from sjdsl.doc.wording import joined, number
-from sjdsl.told.legal import has_built_in_moves
+from sjdsl.doc.wording import counted, joined, number
+from sjdsl.told.legal import can_turn, has_built_in_moves, looks_north
 from sjdsl.told.lines import Line, bullets
-from sjdsl.told.naming import Naming, shown_value
+from sjdsl.told.naming import Naming, article, shown_value
 from sjdsl.told.parameters import HasGame, defaults, parameters_of
 from sjdsl.told.phrases import English
 from sjdsl.told.reading import map_lines, reading
-from sjdsl.told.relevance import Relevant, relevant
+from sjdsl.told.relevance import FieldName, Relevant, fields_read, relevant, set_in
 from sjdsl.told.sentences import Speaker
 from sjdsl.told.shapes import shape_lines
-from sjdsl.told.terms import explained, with_terms
+from sjdsl.told.terms import PLACEHOLDERS, explained, with_terms
 from sjdsl.told.window import Window
 
 REPLY = """\
-Reply with one JSON object and nothing else:
+Before each step you get a message: your last reward, steps and notes, if there are any; what you
+see, under WHAT YOU SEE NOW; and the actions that are allowed, under YOUR ACTIONS NOW. Reply to it
+with one JSON object and nothing else:
 {"why": "at most 500 characters", "goal": "what you are after, at most 120 characters",
  "note": {"op": "none", "id": 0, "text": ""}, "action": "one of the actions"}
-- "action" is one of the names that stand under YOUR ACTIONS NOW. A reply that can't be read, or an
-  action that isn't allowed, counts as stay. Of longer texts, the rest is cut off.
-- You remember nothing but your notes and what a message says. "note" changes one note: "op" is
-  "add" (with "text"), "replace" (with "id" and "text"), "delete" (with "id") or "none"."""
+- "action" is one of the names under YOUR ACTIONS NOW. A reply that can't be read, or an action that
+  isn't allowed, counts as stay. Texts that are too long are cut.
+- You remember nothing but your notes, which stay for the whole episode, and what the message says.
+  "note" changes one note: "op" is "add" (with "text"), "replace" (with "id" and "text"), "delete"
+  (with "id") or "none"."""
 
 
 def told(env: HasGame | ir.Game, agent: int | None = None) -> str:
@@ -64,7 +70,7 @@ def rules_text(game: ir.Game, values: Mapping[str, Any], agent: int | None) -> s
         "YOUR AIM": player.aim(agent),
         "THE WORLD": player.world(),
         "ACTIONS": player.actions(),
-        "SHAPES": shape_lines(player.shapes, player.english),
+        "SHAPES": shape_lines(player.shapes, player.laned, player.english),
         "HOW A TRIAL BEGINS" if game.trials else "HOW AN EPISODE BEGINS": player.beginning(),
         "WHAT HAPPENS IN A STEP": player.step(),
         "TERMS": player.terms(),
@@ -104,6 +110,13 @@ class _Player:
     def _all(self, *classes: type[ir.Node]) -> list[ir.Node]:
         nodes = (node for part in self.parts for node in ir.walk(part))
         return [node for node in nodes if isinstance(node, classes)]
+
+    @property
+    def laned(self) -> frozenset[str]:
+        """The shapes of whose lanes these rules take the first that fits."""
+        domains = [node.domain for node in self._all(ir.First)]  # type: ignore[attr-defined]
+        domains += [node.right for node in self._all(ir.Match) if node.first]  # type: ignore[attr-defined]
+        return frozenset(domain.restriction.shape for domain in domains)
 
     @property
     def shapes(self) -> tuple[ir.Shape, ...]:
@@ -152,22 +165,32 @@ class _Player:
             kept += self.game.task.fields
         if not kept:
             return ""
-        return f", except that these keep the values they had: {joined(dict.fromkeys(kept))}"
+        names = joined(dict.fromkeys(kept))
+        return (
+            ", except that these keep their values from one trial to the next, whatever is said "
+            f"there: {names}"
+        )
 
     def world(self) -> list[str]:
+        rows = counted(len(self.game.rows), "row")
+        columns = counted(len(self.game.rows[0]), "column")
+        heading = ", a heading (north, east, south or west)"
+        if looks_north(self.game):
+            heading = ""
         edge = "The edges of the grid are joined: who leaves it on one side comes in on the other."
         if not self.game.wraps:
             edge = "Nobody can leave the grid."
         lines = [
-            f"At most one {self.naming.somebody} stands on a cell. {edge}",
+            f"The grid has {rows} and {columns}. {edge} "
+            f"At most one {self.naming.somebody} stands on a cell.",
             "Kinds of cell (all can be entered, unless it says so):",
         ]
         for kind in self.game.kinds:
             if kind.name in self.naming.all_kinds:
                 lines += self._kind(kind)
         lines += listed(
-            "Each agent has a number, a cell (its row and col, counted from 0 in the north-west), a "
-            "heading (north, east, south or west)",
+            "Each agent has a number, a cell (its row and col, counted from 0 in the north-west)"
+            f"{heading}",
             self._fields(self.game.agents.fields),
             ", and",
         )
@@ -199,7 +222,7 @@ class _Player:
             return [f"no {sorts[block.what]} can enter it"]
         assert block.condition is not None
         test = self.english.text(block.condition)
-        return [f"the {sorts[block.what]} that would enter it can't if {test}"]
+        return [f"{article(sorts[block.what])} can't enter it if {test}"]
 
     def _fields(self, fields: tuple[ir.VarField, ...], kind: ir.Kind | None = None) -> list[str]:
         """Returns the fields that matter, each with its values and its start."""
@@ -218,16 +241,32 @@ class _Player:
     def _starts(self, field: ir.VarField, kind: ir.Kind | None) -> str:
         if self.game.task is not None and field.name in self.game.task.fields:
             return ""
-        starts = [field.start]
-        if kind is not None:
-            glyphs = set().union(*self.game.rows)
-            starts = [
-                dict(meaning.starts).get(field.name, field.start)
-                for meaning in self.game.glyphs
-                if meaning.kind == kind.name and meaning.glyph in glyphs
-            ]
-        texts = list(dict.fromkeys(_start(start, field) for start in starts))
-        return f"; {joined(texts, 'or')} at first"
+        if (field.held_by.what, field.held_by.name, field.name) in self.set_first:
+            return ""
+        if kind is None:
+            return f"; {_start(field.start, field)} at first"
+        cells: Counter[str] = Counter()
+        for meaning in self.game.glyphs:
+            if meaning.kind == kind.name:
+                start = dict(meaning.starts).get(field.name, field.start)
+                cells[_start(start, field)] += sum(
+                    row.count(meaning.glyph) for row in self.game.rows
+                )
+        cells = +cells  # without those that no cell has
+        if len(cells) == 1:
+            return f"; {next(iter(cells))} at first"
+        texts = [f"{start} on {counted(number_, 'cell')}" for start, number_ in cells.items()]
+        return f"; at first {joined(texts)}"
+
+    @cached_property
+    def set_first(self) -> frozenset[FieldName]:
+        """The fields that the beginning sets for all who have them, whatever their start."""
+        found: set[FieldName] = set()
+        for each in self.game.start.body:
+            if isinstance(each, ir.Each) and each.domain.on is None:
+                if each.domain.where is None and each.domain.restriction is None:
+                    found |= set_in(each.body)
+        return frozenset(found - fields_read(self.game.start))
 
     def actions(self) -> list[str]:
         lines = ["In each step every agent chooses one action, all at the same time:"]
@@ -263,14 +302,20 @@ class _Player:
         actions = self.game.agents.actions
         stay = actions.index("stay")
         names = [actions[action] for action in forbid.actions if action != stay]
-        if forbid.names:
-            what = f"{forbid.action}({', '.join(_argument_names(forbid, names))})"
-        elif len(names) == len(actions) - 1 and len(names) > 1:
+        if len(names) == len(actions) - 1 and len(names) > 1:
             what = "Anything but stay"
         else:
             what = joined(names)
+        condition = forbid.condition
+        if forbid.names:
+            renames = _letters(forbid)
+            condition = renamed(condition, renames)
+            forbid = forbid.model_copy(
+                update={"names": tuple(renames.get(name, name) for name in forbid.names)}
+            )
+            what = f"{forbid.action}({', '.join(_argument_names(forbid, names))})"
         verb = "are" if not forbid.names and len(names) > 1 and "Anything" not in what else "is"
-        return f"{what} {verb} not allowed while {self.english.text(forbid.condition)}."
+        return f"{what} {verb} not allowed while {self.english.text(condition)}."
 
     def beginning(self) -> list[str]:
         lines = []
@@ -285,6 +330,8 @@ class _Player:
                 f"- {name}: {self.speaker.drawn(draw)}."
                 for name, draw in zip(task.fields, draws, strict=True)
             ]
+            start = f"{'In each trial' if self.game.trials else 'Then'}:"
+            lines.append(start)
         return [*lines, *bullets(self.speaker.block(self.game.start.body))]
 
     def step(self) -> list[str]:
@@ -335,7 +382,8 @@ class _Player:
         notes = []
         sends = self._all(ir.Send)
         if has_built_in_moves(self.game):
-            notes.append(MOVES)
+            changes = "a turn changes only the heading, a step only the cell; "
+            notes.append(MOVES.format(changes if can_turn(self.game) else ""))
         if sends:
             notes.append(
                 "a cell is free if nobody stood on it when the stage began; several who are sent "
@@ -346,19 +394,27 @@ class _Player:
                 "who is away stands nowhere, sees nothing and does nothing; its fields stay, and "
                 "it can still get rewards"
             )
-        if self._all(ir.Add):
+        added = self._all(ir.Add)
+        if any(node.target.type.kind != "agents" for node in added):  # type: ignore[attr-defined]
             notes.append(
                 "what is added to a number in one stage is summed first, then kept within its limits"
             )
         if self._all(ir.Chance, ir.Draw):
-            notes.append("every chance is drawn anew for each one that a rule is about, each step")
-        if self._all(ir.First):
+            notes.append(
+                'what is drawn is drawn anew each time, and where it says "each", for each one by itself'
+            )
+        if self.laned:
             notes.append(
                 'the "first" in a lane is the nearest to the agent that fits; others are passed '
                 "over"
             )
-        if self._all(ir.Step):
-            notes.append("the number of finished steps is 0 in the first step")
+        if self._all(ir.Step) and self.game.trials is None:
+            notes.append("the first step is step 0")
+        if self._all(ir.Distance):
+            notes.append(
+                "a distance counts steps along rows and columns, whatever stands between"
+                + (", the shorter way round" if self.game.wraps else "")
+            )
         if self._all(ir.At):
             notes.append("x[a] is the entry of x for a")
         return notes
@@ -391,7 +447,7 @@ def listed(head: str, fields: list[str], link: str, margin: str = "") -> list[st
 
 FEW = 2  # fields that stand in one line
 MOVES = (
-    "moves: all agents move at once; a turn changes only the heading, a step only the cell; who "
+    "moves: all agents move at once; {}who "
     "would step off the grid or onto a cell that it can't enter stays; two can't change places; of "
     "several who would enter one cell one does, by lot; a cell can be entered while its agent "
     "leaves it, not while it stays"
@@ -406,6 +462,13 @@ def _declared(action: ir.ActionWithArguments) -> str:
         for name, one in zip(names, action.arguments, strict=True)
     ]
     return f"{action.name}({', '.join(names)}) with {joined(values)}"
+
+
+def _letters(forbid: ir.Forbid) -> dict[str, str]:
+    """Returns a letter for each agent that is an argument: `agent x` rather than `the who`."""
+    members = [v.name for v in free_variables(forbid.condition) if isinstance(v, ir.Member)]
+    names = [name for name in forbid.names if name in members]
+    return dict(zip(names, PLACEHOLDERS, strict=False))
 
 
 def _argument_names(forbid: ir.Forbid, names: list[str]) -> list[str]:
@@ -431,7 +494,7 @@ def _values(type_: ir.Type) -> str:
         case "int":
             return f"{number(type_.low)} to {number(type_.high)}"
         case "real":
-            return "a number"
+            return "a number, whole or not"
         case "agent":
             return "an agent or nobody"
         case "agents":

@@ -5,12 +5,14 @@ from typing import assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.fold import fold
+from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.compiler.ir.queries import written_field
 from sjdsl.doc.wording import counted, joined, number
 from sjdsl.runtime.actions import HEADINGS
+from sjdsl.told.legal import can_turn
 from sjdsl.told.lines import Line
 from sjdsl.told.naming import Naming, article
-from sjdsl.told.phrases import English
+from sjdsl.told.phrases import English, conjuncts
 
 TURNED = ("the way it looks", "to its right", "backward", "to its left")
 
@@ -101,13 +103,13 @@ class Speaker:
         else:
             entries = f"of {joined(s.by.names)}"
         different = ", no two the same" if s.different else ""
-        return f"for each {entries} {text}{different}"
+        return f"for each {entries}, {text}{different}"
 
     def _one_drawn(self, s: ir.Draw) -> str:
         if s.low is not None and s.high is not None:
             low = self._operand(s.low)
             high = self._operand(s.high)
-            what = "a number between" if s.type.kind == "real" else "a whole number from"
+            what = "any number between" if s.type.kind == "real" else "a whole number from"
             link = "and" if s.type.kind == "real" else "to"
             return f"{what} {low} {link} {high}, all equally likely"
         values = [*s.words] or [number(one) for one in s.numbers]
@@ -120,11 +122,12 @@ class Speaker:
     def _pick(self, s: ir.Pick) -> list[Line]:
         one = isinstance(s.number, ir.Number) and s.number.value == 1
         if one:
-            head = f"one {self.english.members(s.domain)}, drawn at random"
+            head = f"for one {self.english.members(s.domain)}, drawn at random"
         else:
             crowd = self.english.members(s.domain, plural=True)
             many = self._operand(s.number)
-            head = f"{many} different {crowd}, drawn at random (all, if there are fewer); for each"
+            drawn = f"{many} different {crowd}, drawn at random"
+            head = f"for each of {drawn} (all, if there are fewer)"
         found = [Line(head, self._body(s.body))]
         if s.otherwise:
             found.append(Line("if there is none", self.block(s.otherwise)))
@@ -143,17 +146,22 @@ class Speaker:
         return Line(f"in {shape}, the first {noun}", self._body(s.body))
 
     def _match(self, s: ir.Match) -> Line:
-        left = article(self.english.members(s.left))
+        of_left, of_both = _split_by(s.right, s.left.var)
+        left_domain = _narrowed(s.left, of_left)
+        right_domain = s.right.model_copy(update={"where": _all_of(of_both)})
+        left = article(self.english.members(left_domain))
         if s.first:
             near = self._near(s.right)
-            noun = self.english.members(s.right, restricted=False)
+            noun = self.english.members(right_domain, restricted=False)
             shape = self.english.shape(near.shape, near.anchor)
-            right = f", in a lane of {shape}, the first {noun}"
+            if len(self.naming.shapes[near.shape].lanes) > 1:
+                shape = f"a lane of {shape}"
+            right = f", in {shape}, the first {noun}"
         else:
-            right = f" {article(self.english.members(s.right))}"
+            right = f" {article(self.english.members(right_domain))}"
         head = (
-            f"pairs are made in random order, each of {left} and{right}, nobody and nothing "
-            "being in two pairs; for each pair"
+            "pairs are made in random order, nobody and nothing being in two. "
+            f"A pair is {left} and{right}. For each pair"
         )
         return Line(head, self._body(s.body))
 
@@ -165,11 +173,17 @@ class Speaker:
         return [*found, *self._otherwise(s.otherwise)]
 
     def _chance(self, s: ir.Chance) -> list[Line]:
-        found = []
+        found: list[Line] = []
         for number_, branch in enumerate(s.branches):
+            if self.english.constant(branch.test) == "1":
+                return [*found, *self._certain(branch.body, is_first=not number_)]
             head = f"with probability {self._operand(branch.test)}"
             found.append(self._branch(number_, head, branch))
         return [*found, *self._otherwise(s.otherwise)]
+
+    def _certain(self, body: tuple[ir.Stmt, ...], is_first: bool) -> list[Line]:
+        """Returns what happens for sure, unless a branch before it does."""
+        return list(self.block(body)) if is_first else self._otherwise(body)
 
     def _branch(self, place: int, head: str, branch: ir.Branch) -> Line:
         return Line(f"otherwise, {head}" if place else head, self._body(branch.body))
@@ -184,10 +198,9 @@ class Speaker:
         target = self._text(s.target)
         if s.target.type.indexed_by and not s.value.type.indexed_by:
             target = f"every entry of {target}"
-        value = self._text(s.value)
+        text = f"{target} is set to {self._text(s.value)}"
         if s.target.type.kind == "agents" and isinstance(s.value, ir.Nobody):
-            value = "empty"
-        text = f"{target} becomes {value}"
+            text = f"{target} is emptied"
         if s.lot is not None:
             text += " (if several would change it in this stage, one of them does, by lot)"
         return Line(text)
@@ -211,7 +224,9 @@ class Speaker:
         if not field.capped:
             return ""
         if isinstance(s.value, ir.Number):
-            return f" (to at most {number(field.type.high)})" if s.value.value > 0 else ""
+            if s.value.value > 0:
+                return f" (to at most {number(field.type.high)})"
+            return f" (to at least {number(field.type.low)})"
         return f" (kept within {number(field.type.low)} to {number(field.type.high)})"
 
     def _give(self, s: ir.Give) -> Line:
@@ -278,7 +293,8 @@ class Speaker:
     def _move(self, s: ir.Move) -> Line:
         who = self.english.members(s.domain, plural=True)
         if s.course is None:
-            return Line(f"all {who} turn and step as they chose, at the same time")
+            does = "turn and step" if can_turn(self.naming.game) else "step"
+            return Line(f"all {who} {does} as they chose, at the same time")
         course = self._course(s.course)
         return Line(f"at the same time, each {self.english.members(s.domain)} {course}")
 
@@ -309,6 +325,27 @@ def one_cell(d: ir.Domain) -> ir.Expr | None:
             return right if right.type.kind == "cell" else None
         case _:
             return None
+
+
+def _split_by(d: ir.Domain, member: ir.Member) -> tuple[list[ir.Expr], list[ir.Expr]]:
+    """Returns the conditions of a domain that are about another member alone, and the others."""
+    alone: list[ir.Expr] = []
+    others: list[ir.Expr] = []
+    for test in conjuncts(d.where):
+        names = {variable.name for variable in free_variables(test)}
+        (alone if names == {member.name} else others).append(test)
+    return alone, others
+
+
+def _narrowed(d: ir.Domain, tests: list[ir.Expr]) -> ir.Domain:
+    return d.model_copy(update={"where": _all_of([*conjuncts(d.where), *tests])})
+
+
+def _all_of(tests: list[ir.Expr]) -> ir.Expr | None:
+    """Returns a condition that holds if all of these do; None of none."""
+    if len(tests) < 2:
+        return tests[0] if tests else None
+    return ir.Logic(type=tests[0].type, fn="and", args=tuple(tests))
 
 
 def _negative_of(e: ir.Expr) -> ir.Expr | None:

@@ -8,23 +8,29 @@ TALLEST = 12  # rows of a picture; longer shapes are said lane by lane
 Cell = tuple[int, int]
 
 
-def shape_lines(shapes: tuple[ir.Shape, ...], english: English) -> list[str]:
-    """Returns the paragraphs about shapes."""
+def shape_lines(shapes: tuple[ir.Shape, ...], laned: frozenset[str], english: English) -> list[str]:
+    """Returns the paragraphs about shapes. laned: those whose lanes rules speak of."""
     if not shapes:
         return []
     lines = []
     for shape in shapes:
         cells = {cell for lane in shape.lanes for cell in lane}
-        text = f"{shape.name}, {counted(len(cells), 'cell')}{_direction(shape)}"
-        lines.append(f"- {text}. {_blocking(shape, english)}".rstrip())
+        text = f"{shape.name}, {counted(len(cells), 'cell')}{_direction(shape, cells)}"
+        blocking = _blocking(shape, shape.name in laned, english)
+        lines.append(f"- {text}. {blocking}".rstrip())
         lines += [f"    {row}" for row in _drawn(shape, cells)]
     return lines
 
 
-def _direction(shape: ir.Shape) -> str:
+def _direction(shape: ir.Shape, cells: set[Cell]) -> str:
+    has_middle = (0, 0) in cells
     if shape.directed:
+        if has_middle:
+            return " (x, and @, the agent's own, looking up); the shape turns with it"
         return " (x); ^ is the agent, looking up, and the shape turns with it"
-    return " (x) around the middle o; up is always north" if shape.name else ""
+    if has_middle:
+        return " (x, and the middle @, which belongs to it); up is always north"
+    return " (x) around the middle o, which does not belong to it; up is always north"
 
 
 def _drawn(shape: ir.Shape, cells: set[Cell]) -> list[str]:
@@ -70,7 +76,7 @@ def _aside(right: int) -> str:
     return f"{abs(right)} to the {'right' if right > 0 else 'left'}"
 
 
-def _blocking(shape: ir.Shape, english: English) -> str:
+def _blocking(shape: ir.Shape, is_laned: bool, english: English) -> str:
     if shape.see_through or not shape.directed:
         return ""
     game = english.naming.game
@@ -78,15 +84,15 @@ def _blocking(shape: ir.Shape, english: English) -> str:
     for kind in game.kinds:
         for block in kind.blocks if kind.name in english.naming.all_kinds else ():
             if block.what == shape.name:
-                when = "" if block.condition is None else f" if {english.text(block.condition)}"
+                when = "" if block.condition is None else f" (if {english.text(block.condition)})"
                 ends.append(f"a {kind.name} cell{when}")
     for block in game.agents.blocks:
         if block.what == shape.name:
-            when = "" if block.condition is None else f" if {english.text(block.condition)}"
+            when = "" if block.condition is None else f" (if {english.text(block.condition)})"
             ends.append(f"an agent{when}")
-    lanes = "Its columns are lanes from the agent outward"
+    lanes = "Each column is a lane, from the agent's row outward"
+    is_one = len(shape.lanes) == 1
     if not ends:
-        return "Nothing stops it." if len(shape.lanes) == 1 else f"{lanes}; nothing stops them."
-    if len(shape.lanes) == 1:
-        return f"It ends at {joined(ends, 'or')}, which still belongs to it."
-    return f"{lanes}; a lane ends at {joined(ends, 'or')}, which still belongs to it."
+        return f"{lanes}; nothing stops it." if is_laned and not is_one else "Nothing stops it."
+    end = f"ends at {joined(ends, 'or')}; what it ends at still belongs to it."
+    return f"It {end}" if is_one else f"{lanes}; a lane {end}"

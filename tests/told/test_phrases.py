@@ -37,26 +37,40 @@ SENTENCES = {
         "reward of -0.5."
     ),
     "each tree where not (tree.fruit in { none, old }) { set tree.fruit = none }": (
-        "Each tree cell whose fruit is neither none nor old: the tree's fruit becomes none."
+        "Each tree cell whose fruit is neither none nor old: the tree's fruit is set to none."
     ),
     "each tree { chance luck { set tree.fruit = ripe } otherwise { set tree.fruit = old } }": (
-        "Each tree cell:\n    - With probability 0.25, the tree's fruit becomes ripe.\n"
-        "    - Otherwise, the tree's fruit becomes old."
+        "Each tree cell:\n    - With probability 0.25, the tree's fruit is set to ripe.\n"
+        "    - Otherwise, the tree's fruit is set to old."
     ),
     "each agent as a { first agent as b in beam of a where b chose zap { add 1 to b.bag } }": (
         "Each agent a: in agent a's beam, the first agent b that chose zap: agent b's bag rises by "
         "1 (to at most 9)."
     ),
     "pick 2 tree where nobody on tree { set tree.fruit = old }": (
-        "2 different tree cells with nobody on it, drawn at random (all, if there are fewer); for "
-        "each: the tree's fruit becomes old."
+        "For each of 2 different tree cells with nobody on it, drawn at random (all, if there are "
+        "fewer): the tree's fruit is set to old."
     ),
     "each agent as a { each agent as b where b is not a { add b to a.friends } }": (
         "Each agent a: each agent b that is not agent a: agent b joins agent a's friends."
     ),
     "when step >= 4 and count(tree where tree.fruit is ripe) == 0 { end }": (
-        "If the number of finished steps is at least 4 and there is no tree cell whose fruit is "
+        "If the number of the step is at least 4 and there is no tree cell whose fruit is "
         "ripe, the episode ends after this step."
+    ),
+    "each agent { when agent.bag > 3 { add -1 to agent.bag  give 1 to agent } }": (
+        "Each agent:\n    - If the agent's bag is more than 3:\n"
+        "      - The agent's bag falls by 1 (to at least 0).\n"
+        "      - The agent gets a reward of 1."
+    ),
+    "each tree { chance 1 { set tree.fruit = ripe } otherwise { set tree.fruit = old } }": (
+        "Each tree cell: the tree's fruit is set to ripe."
+    ),
+    "match agent as a with first agent as b in beam of a where a chose zap and b.bag > 0 { "
+    "add -1 to b.bag }": (
+        "Pairs are made in random order, nobody and nothing being in two. A pair is an agent a that "
+        "chose zap and, in agent a's beam, the first agent b whose bag is more than 0. For each "
+        "pair: agent b's bag falls by 1 (to at least 0)."
     ),
     "move each deer toward agent": (
         "At the same time, each deer steps to one of the free cells beside it that are nearer to "

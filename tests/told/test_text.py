@@ -48,12 +48,12 @@ def names_of(g: ir.Game) -> set[str]:
     found = kinds | {movers.name for movers in g.movers}
     found |= {shape.name for shape in g.shapes}
     found |= {action.partition("(")[0] for action in g.agents.actions}
-    found |= {param.name for param in g.params if param.type.by}
+    found |= {param.name for param in g.params if param.type.indexed_by}
     for field in all_fields(g):
         if field.held_by.what != "cell" or field.held_by.name in kinds:
             found |= {field.name, *field.type.words}
     for plane in token_planes(g)[2:]:
-        found |= {*plane.labels}
+        found |= {*plane.labels} - {"nobody"}
         found |= {plane.name} - {"marks"}
     for label in token_planes(g)[0].labels:
         kind, *states = label.split()
@@ -135,7 +135,7 @@ def test_an_environment_is_told_as_its_game(name: str) -> None:
 def test_the_space_of_a_task_is_told() -> None:
     text = told(game("tasks"))
     assert "(233,280 ways, all equally likely)" in text  # 3 * 720 * 27 * 4
-    assert "pay: for each of red, green and blue a whole number from 0 to 9" in text
+    assert "pay: for each of red, green and blue, a whole number from 0 to 9" in text
     assert "no two the same" in text
 
 
@@ -156,3 +156,59 @@ def test_nothing_of_jax_is_loaded() -> None:
 def test_a_text_is_as_it_was(golden) -> None:
     golden(GOLDEN / "clean_up.txt", told(game("clean_up"), agent=0))
     golden(GOLDEN / "two_trees.txt", told(game("two_trees"), agent=0))
+
+
+def test_shapes_say_whether_the_middle_belongs_and_lanes_where_rules_speak_of_them() -> None:
+    prey = told(game("predator_prey"))
+    assert "- disc(3, centre), 29 cells (x, and the middle @, which belongs to it);" in prey
+    assert "in the shape `disc(3, centre)` around agent x" in prey
+    foraging = told(game("lb_foraging"))
+    assert "- beside, 4 cells (x) around the middle o, which does not belong to it;" in foraging
+    assert "lane" not in told(game("clean_up"))
+    territory = told(game("territory"))
+    assert "Each column is a lane, from the agent's row outward; a lane ends at" in territory
+    assert "in agent a's shape `paint`" in territory  # an action is called so too
+
+
+def test_headings_and_turns_are_told_where_agents_turn() -> None:
+    turning = told(game("clean_up"))
+    assert "a heading (north, east, south or west)" in turning
+    assert "a turn changes only the heading" in turning
+    foraging = told(game("lb_foraging"))
+    assert "a heading" not in foraging
+    assert "turn" not in foraging.partition("WHAT HAPPENS")[2].partition("YOUR WINDOW")[0]
+    assert "A>" not in foraging
+
+
+def test_what_a_field_is_at_first_is_told_unless_the_beginning_sets_it() -> None:
+    water = "state (clean or dirty; at first clean on 68 cells and dirty on 79 cells)"
+    rows = game("clean_up").rows
+    glyphs = {m.glyph: dict(m.starts) for m in game("clean_up").glyphs if m.kind == "water"}
+    clean = sum(row.count(g) for row in rows for g in glyphs if glyphs[g].get("state") != "dirty")
+    assert clean == 68
+    assert water in told(game("clean_up"))
+    assert "level (1 to 2)\n" in told(game("lb_foraging"))  # drawn for all
+    assert "role (prey or predator; prey at first)" in told(game("predator_prey"))  # for some
+
+
+def test_an_argument_of_a_forbidden_action_is_called_by_a_letter() -> None:
+    text = told(game("reputation"))
+    assert "- nurse(x) is not allowed while agent x is not one of" in text
+    assert "the who is" not in text and "the who's" not in text
+
+
+def test_values_below_the_window_are_those_that_a_player_can_see() -> None:
+    text = told(game("lb_foraging"))
+    assert "- other.level: 1 to 2\n" in text
+    reputation = told(game("reputation"))
+    assert "- other.health: well, ill, hidden\n" in reputation
+    assert "is at most 2; else it is hidden." in reputation
+
+
+def test_what_stays_from_trial_to_trial_is_told() -> None:
+    text = told(game("open_harvest"))
+    kept = "these keep their values from one trial to the next, whatever is said there: each tree"
+    assert kept in text
+    assert "stay until it ends:\n- pay_order: for each of" in text
+    assert "all equally likely.\nIn each trial:\n- Each agent" in text
+    assert "speed_order.\n\nYOUR REPLY" in text.partition("You are not shown")[2]
