@@ -135,17 +135,20 @@ def dealt_values(words: Array, number: int) -> Array:
 
     Entry i takes that at place i + floor(word * (number - i) / 2^32) of the list 0 .. number - 1,
     and swaps it with that at place i: a Fisher-Yates shuffle, of which the first entries are kept.
+    Swaps are followed entry by entry: XLA takes minutes to compile a list that is changed as often.
     """
-    numbers = jnp.arange(number, dtype=jnp.int32)
-    places = jnp.broadcast_to(numbers, (*words.shape[:-1], number))
-    left = places
+    count = words.shape[-1]
+    places = [entry + below(words[..., entry], number - entry) for entry in range(count)]
+    moved: list[Array] = []  # what stood at place i when entry i was drawn
     dealt = []
-    for entry in range(words.shape[-1]):
-        place = entry + below(words[..., entry], number - entry)
-        is_taken = places == place[..., None]
-        value = jnp.sum(jnp.where(is_taken, left, 0), axis=-1, dtype=jnp.int32)
-        left = jnp.where(is_taken, left[..., entry : entry + 1], left)
-        dealt.append(value)
+    for entry, place in enumerate(places):
+        at_entry = jnp.full_like(place, entry)
+        at_place = place
+        for earlier, content in zip(places, moved, strict=False):
+            at_entry = jnp.where(earlier == entry, content, at_entry)
+            at_place = jnp.where(earlier == place, content, at_place)
+        moved.append(at_entry)
+        dealt.append(at_place)
     return jnp.stack(dealt, axis=-1)
 
 
