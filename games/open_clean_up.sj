@@ -3,7 +3,7 @@ game open_clean_up "Open Clean Up" {
   cite "OpenSocialJax: its released code of `open_cleanup`, variant crafted tools, and the settings of its harness for language models"
   about summary "Apples grow while the river is clean, and waste must be cleared with tools. A tool is made by picking up two things in"
                 "the right order. Nobody is told the recipes, which last for five trials: they have to be found out together."
-  about our_differences "OpenSocialJax pays nothing in a trial's last step, and times the number of agents; each begins a trial with a thing"
+  about our_differences "OpenSocialJax pays nothing in a trial's last step, and times the number of agents; all begin a trial with a thing"
                         "in hand that makes no tool, a beam's side cell past an edge is its front cell, and neither bare orchard nor cells"
                         "under agents are seen: not copied. Instead of its 256 maps there is one; `map=` takes others."
   about our_paradigm "commons"       # ours: whoever cleans works for all who eat

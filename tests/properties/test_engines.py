@@ -87,7 +87,7 @@ def test_both_engines_play_the_same_phases_at_the_start() -> None:
 
 def test_symmetry_tells_which_phase_at_the_start_reads_a_number() -> None:
     game = build(read_source(STARTING_PHASES)).game
-    check = next(check for check in game.checks if check.sort == "symmetric")
+    check = next(check for check in game.checks if check.kind == "symmetric")
     assert "`phase claim` does, in line" in why_symmetric(check, game)
 
 

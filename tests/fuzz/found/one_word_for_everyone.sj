@@ -6,7 +6,7 @@ game found "Found" {
   kind grass "." { field ripe : { apple, pear, plum } = plum }
   map { "..."  "..." }
   agents 1 { acts forward, turn_left, stay }
-  phase start { each agent { send agent to grass  tally seen[sort] for agent } }
+  phase start { each agent { send agent to grass } }
   schedule counting
   phase counting { each agent where agent chose forward { tally seen[sort] for agent }  set sort = plum }
   metrics { event seen by { apple, pear, plum } }

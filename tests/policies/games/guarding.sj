@@ -13,7 +13,7 @@ game guarding "Guarded rules, the cell underfoot, and doors that open for some a
   agents 4 {
     acts turn_left, turn_right, forward, stay, pay(0 .. 3), swap
     moves relative
-    field team : { red, blue } = red
+    field team  : { red, blue } = red
     field purse : 0 .. 9 capped = 2
   }
   phase start {
