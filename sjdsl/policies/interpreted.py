@@ -138,16 +138,18 @@ def _final_action(rule: ir.Act | ir.Aim, instance: Instance) -> int:
 def _closed_cells(instance: Instance) -> Iterator[Cell]:
     """Yields the cells that block the agent by what it is, and so close its path."""
     agent = instance.names["agent"]
-    for cell, name in instance.board.kind_of.items():
-        kind = instance.board.kinds[name]
-        seen = instance.only({kind.name: cell, "agent": agent})
+    for name, kind in instance.board.kinds.items():
         conditions = [
             block.condition
             for block in kind.blocks
             if block.condition is not None and closes_paths(block)
         ]
-        if any(evaluate(condition, seen) for condition in conditions):
-            yield cell
+        if not conditions:
+            continue
+        for cell in instance.board.cells[name]:
+            seen = instance.only({name: cell, "agent": agent})
+            if any(evaluate(condition, seen) for condition in conditions):
+                yield cell
 
 
 def _cells_of(domain: ir.Domain, instance: Instance) -> Iterator[Cell]:

@@ -66,9 +66,9 @@ def _why_asymmetric(sort: ir.Sort, game: ir.Game) -> str:
 
 
 def _rules_of_a_step(game: ir.Game) -> tuple[ir.Node, ...]:
-    """Returns what happens in steps. In a game with trials, `start` is part of one that ends a
-    trial."""
-    starts = () if game.trials is None else (game.start,)
+    """Returns what happens in steps. In a game with trials, the phases with which a trial begins
+    are part of the step that ends one."""
+    starts = () if game.trials is None else beginning_phases(game)
     return (*game.schedule, *starts, game.agents, *game.kinds)
 
 

@@ -57,8 +57,8 @@ Values = Mapping[str, np.ndarray]  # attribute of the state -> array
 class FieldLook:
     """A field of a kind, of agents or of movers, as it is drawn where no `look` reads it.
 
-    drawn_as: an enum value is a `shape` if rules change it, else a `tint`; an agent is an `edge` in its
-    colour; all that can be counted is a `bar`, and `full` fills it.
+    drawn_as: an enum value is a `shape` if rules change it, else a `tint`; an agent is an `edge` in
+    its colour; all that can be counted is a `bar`, and `full` fills it.
     holds: `word` (an enum value), `number`, `agent` (an id, -1 for nobody) or `agents` (bits).
     words: its enum values, or those that index a field of numbers; pictures: one for each.
     colours: one for each enum value of a tint, or for each agent of an edge.

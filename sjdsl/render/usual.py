@@ -7,7 +7,7 @@ from collections import Counter
 from dataclasses import dataclass
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import blocks_always, kinds_by_glyph
+from sjdsl.compiler.ir.queries import beginning_phases, blocks_always, kinds_by_glyph
 from sjdsl.render.colours import (
     INK,
     INKS,
@@ -53,9 +53,10 @@ def main_kind(game: ir.Game) -> str:
 def spawn_kinds(game: ir.Game) -> tuple[str, ...]:
     """Returns the kinds on which agents start and that have no fields, except the main kind."""
     targets: set[str] = set()
-    for node in ir.walk(game.start):
-        if isinstance(node, ir.Send):
-            targets |= {*node.domain.var.kinds}
+    for phase in beginning_phases(game):
+        for node in ir.walk(phase):
+            if isinstance(node, ir.Send):
+                targets |= {*node.domain.var.kinds}
     main = main_kind(game)
     return tuple(
         kind.name

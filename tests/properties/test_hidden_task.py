@@ -69,12 +69,13 @@ def test_a_game_without_a_task_has_none() -> None:
     assert hidden_task(build(Source("moving.sj", text)).game) is None
 
 
-def test_symmetry_counts_the_start_that_trials_play_again() -> None:
-    """`phase start` gives agents by their numbers: part of a step only where an episode has trials."""
+@pytest.mark.parametrize("between", ["  ", " } }\n  phase rank at start { each agent { "])
+def test_symmetry_counts_the_beginning_that_trials_play_again(between: str) -> None:
+    """Agents get their numbers before the first step: in a step only where an episode has trials."""
     text = TEXT.replace("SHOWN", "").replace("T..", "TT.")
     text = text.replace("agents 2 {", "agents 2 { field rank : 0 .. 1 = 0 ")
     text = text.replace(
-        "send agent to grass }", "send agent to grass  set agent.rank = agent.index }"
+        "send agent to grass }", f"send agent to grass{between}set agent.rank = agent.index }}"
     )
     text = text.replace("  observe", "  checks { symmetric agents }\n  observe")
     for episode, how in (("episode 5", "proved"), ("episode 2 trials of 5", "decided")):

@@ -198,7 +198,7 @@ SLIPS = {
         "sigmoid|logistic|tanh|softmax":
             "`1 / (1 + exp(-x))` rises from 0 to 1",
         "sin|cos|tan":
-            "there are no circular functions: write a table, `case n { 0: 0, 1: 1, 2..: 0 }`",
+            "there are no trigonometric functions: write a table, `case n { 0: 0, 1: 1, 2..: 0 }`",
         "floor|trunc":
             "`quotient(a, b)` divides whole numbers and rounds down, "
             "and `round(x)` rounds to the nearest",

@@ -117,7 +117,8 @@ def field_type(declared: ast.Type, scope: Scope) -> ir.Type:
         case ast.NamedType(name=ast.Name(text="reward"), set_of=False):
             return ir.Type(kind="real", unit="reward")
         case ast.NamedType(name=ast.Name(text="probability" | "fraction" as unit), set_of=False):
-            return ir.Type(kind="real", unit=unit, low=0.0, high=1.0)
+            low, high = UNIT_LIMITS[unit]
+            return ir.Type(kind="real", unit=unit, low=low, high=high)
         case ast.NamedType(name=ast.Name(text="number"), set_of=False):
             help_ = "write `number in 0 .. 10`; a field of reals without limits is a `reward`"
             raise scope.expected(declared.span, "a number with limits", "one without", help_)
@@ -142,10 +143,9 @@ def _ends(declared: ast.Range | ast.Reals, scope: Scope) -> tuple[float, float]:
 
 def _type_of_reals(declared: ast.Reals, scope: Scope) -> ir.Type:
     """Returns the type of real numbers of a range, whose ends are rounded to float32."""
-    units = {unit: unit for unit in REAL_UNITS}
-    if declared.unit.text not in units:
+    unit = next((unit for unit in REAL_UNITS if unit == declared.unit.text), None)
+    if unit is None:
         raise scope.problems.unknown(declared.unit, REAL_UNITS, "the units of real numbers")
-    unit = units[declared.unit.text]
     low, high = map(nearest, _ends(declared, scope))
     if low > high:
         raise scope.expected(declared.span, "a range, the smaller number first", "another one")

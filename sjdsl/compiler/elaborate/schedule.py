@@ -38,6 +38,7 @@ def start(game: Composition, scope: Scope) -> ir.Phase | None:
         scope.problems.add(errors.NoStart(game.span))
         return None
     with scope.problems.skip_if_broken():
+        _check_moment(phase, scope)
         check_arguments("start", phase.name.span, len(phase.parameters), 0, scope)
     typed = _typed_phase(phase, "start", "start", {}, replace(scope, part="start"))
     _check_before_steps(typed, scope)
@@ -54,18 +55,21 @@ def starting(game: Composition, scope: Scope) -> tuple[ir.Phase, ...]:
         if name == "start" or phase.at is None:
             continue
         with scope.problems.skip_if_broken():
-            if phase.at.text != "start":
-                fix = Fix(phase.at.span, "start")
-                help_ = "write `at start`: such a phase is played when an episode begins"
-                raise scope.fail(
-                    errors.UnknownName(phase.at.span, name=phase.at.text, help=help_, fix=fix)
-                )
+            _check_moment(phase, scope)
             check_arguments(name, phase.name.span, len(phase.parameters), 0, scope)
         values = dict.fromkeys(parameter.text for parameter in phase.parameters)
         function = functions.fresh(phase_function(name))
         typed.append(_typed_phase(phase, name, function, values, scope))
         _check_before_steps(typed[-1], scope)
     return tuple(typed)
+
+
+def _check_moment(phase: ast.Phase, scope: Scope) -> None:
+    """Reports a moment other than `at start`."""
+    if phase.at is not None and phase.at.text != "start":
+        fix = Fix(phase.at.span, "start")
+        help_ = "write `at start`: such a phase is played when an episode begins"
+        raise scope.fail(errors.UnknownName(phase.at.span, name=phase.at.text, help=help_, fix=fix))
 
 
 def _check_before_steps(phase: ir.Phase, scope: Scope) -> None:

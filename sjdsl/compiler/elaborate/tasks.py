@@ -65,7 +65,7 @@ def task(game: Composition, scope: Scope) -> ir.Task | None:
             row_stream=streams.shared("split", "row"),
             origin=declared.span,
         )
-        is_whole = len(body) == 2 * len(declared.fields)
+        is_whole = len(body) == 2 * len(declared.fields)  # a draw and a `set` for each field
         return with_splits(typed, game, scope) if is_whole else typed
     check_no_splits(game, scope)
     return None

@@ -230,8 +230,7 @@ def blocks_always(kind: Kind, what: str = "agents") -> bool:
 def closes_paths(block: Block) -> bool:
     """Returns whether a block closes cells to the paths of policies where its condition holds.
 
-    The condition depends on who walks, and stays as it is on the way: it reads only fields of the
-    agent and its number.
+    Of the agent, the condition reads fields and its number only, which don't change on the way.
     """
     if block.what != "agents" or block.condition is None:
         return False
