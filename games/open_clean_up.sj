@@ -3,9 +3,10 @@ game open_clean_up "Open Clean Up" {
   cite "OpenSocialJax: its released code of `open_cleanup`, variant crafted tools, and the settings of its harness for language models"
   about summary "Apples grow while the river is clean, and waste must be cleared with tools. A tool is made by picking up two things in"
                 "the right order. Nobody is told the recipes, which last for five trials: they have to be found out together."
-  about our_differences "OpenSocialJax pays nothing in a trial's last step, and times the number of agents; all begin a trial with a thing"
-                        "in hand that makes no tool, a beam's side cell past an edge is its front cell, and neither bare orchard nor cells"
-                        "under agents are seen: not copied. Instead of its 256 maps there is one; `map=` takes others."
+  about our_differences "Not copied from OpenSocialJax: no reward in a trial's last step; rewards multiplied by the number of agents;"
+                        "a thing in each hand, when a trial begins, that makes no tool; beams that hit the cell in front where a side"
+                        "cell is off the map; bare orchard and cells under agents that aren't seen. It has 256 maps, this game one;"
+                        "`map=` takes others."
   about our_paradigm "commons"       # ours: whoever cleans works for all who eat
   about our_long_term_impact "high"  # ours
   about our_multi_task "yes"         # ours: to find recipes, to clean, to eat
@@ -15,10 +16,10 @@ game open_clean_up "Open Clean Up" {
   size  rounds       : count       = 5 in 1 .. 100  # harness: trials
   param length       : steps       = 400            # harness: of a trial
   param apple        : reward      = 1              # released code
-  param grace        : steps       = 50             # released code: no new waste until so many steps and one are over
+  param grace        : steps       = 50             # released code: the first new waste falls in step grace + 1
   param pollution    : probability = 0.1            # harness: that one clean cell is soiled, per step; released code: 0.5
   param initial_dirt : probability = 1              # harness: of each cell that begins dirty on the map
-  param skew         : probability = 1              # harness: that waste has the hue of the episode; any hue else
+  param skew         : probability = 1              # harness: that waste has the hue of the episode; otherwise any hue
   param best_rate    : probability = 0.05           # released code: apple growth in a clean river, per orchard cell and step
   param spoiled_at   : fraction    = 0.4            # released code: dirt at which growth is zero
   param perfect_at   : fraction    = 0.0            # released code: dirt at which growth is best_rate
@@ -79,7 +80,7 @@ game open_clean_up "Open Clean Up" {
     when step > grace {
       chance pollution {
         pick 1 water where water.state is clean {
-          when nobody on water {  # released code: otherwise none falls
+          when nobody on water {  # released code: if somebody stands there, none falls in this step
             draw shade from { light, mid, dark }
             set water.state = shade
             chance skew { set water.hue = main_hue } otherwise { draw hue from { red, yellow, green, cyan, purple }  set water.hue = hue }
@@ -159,7 +160,7 @@ game open_clean_up "Open Clean Up" {
   define its(a, cell) = a.index == 0 and cell.state is dark or a.index == 1 and cell.state is mid or a.index > 1 and cell.state is light
       and cell.hue is main_hue
   define clean_enough = 0.1  # ours
-  policy oracle "knows the recipes: makes one tool, uses it while the river is dirty, and eats else" {
+  policy oracle "knows the recipes: makes one tool, uses it while the river is dirty, and otherwise eats" {
     when pair(agent) != aim_of(agent) and any (station where distance(agent, station) == 0 and number_of[station.tool] == next_of(agent))
         choose pick_up
     seek station where pair(agent) != aim_of(agent) and number_of[station.tool] == next_of(agent)

@@ -3,9 +3,9 @@ game open_harvest "Open Harvest" {
   cite "OpenSocialJax: its released code of `open_harvest`, and the settings of its harness for language models"
   about summary "Apples of five hues ripen, grow overripe and rot. What an apple pays at each stage, and how fast its cell bears"
                 "again, are rules of its hue that nobody is told. They last for five trials, so that what is found out pays later."
-  about our_differences "OpenSocialJax pays nothing in a trial's last step, and times the number of agents; a beam's mark blocks the way"
-                        "and growth for a step, one of 12 neighbours is looked for past a wrong edge, bare trees aren't seen: not copied."
-                        "Instead of its 256 maps there is one, drawn by their rules; `map=` takes others."
+  about our_differences "Not copied from OpenSocialJax: no reward in a trial's last step; rewards multiplied by the number of agents;"
+                        "beam marks that block movement and growth for a step; a wrong neighbour at one edge of the map; bare trees that"
+                        "aren't seen. It has 256 maps; this game has one, drawn by the same rules; `map=` takes others."
   about our_paradigm "commons"       # ours: a patch eaten bare bears nothing until the next trial
   about our_long_term_impact "high"  # ours
   about our_multi_task "yes"         # ours: to find out, to leave apples, to eat them at their best
@@ -18,7 +18,7 @@ game open_harvest "Open Harvest" {
   size  pace_most   : steps       = 20 in 1 .. 100                           # harness
   param rot_least   : steps       = 2 in 1 .. 100  # harness: when an apple has rotted, another grows so long after
   param rot_most    : steps       = 5 in 1 .. 100                            # harness
-  param regrow_1    : probability = 0.001 in 0 .. 0.25  # released code: one apple near; ours: four times it is a probability
+  param regrow_1    : probability = 0.001 in 0 .. 0.25  # released code: one apple near; ours: at most 0.25, as speed can be 4
   param regrow_2    : probability = 0.005 in 0 .. 0.25                       # released code: two
   param regrow_3    : probability = 0.025 in 0 .. 0.25                       # released code: three or more
   param pause       : steps       = 2 in 0 .. 1000                           # released code: after a zap
@@ -124,7 +124,7 @@ game open_harvest "Open Harvest" {
     symmetric agents  expect hits == 0 with never(zap) over 5 episodes
   }
   # Points in an episode: greedy 193 (183 to 202), oracle 790 (726 to 855); OpenSocialJax's own: 169 to 204, and 541 to 673.
-  define keep       = 3   # ours: what regrow_3 asks for
+  define keep       = 3   # ours: apples near, for which regrow_3 holds
   define harvest    = 40  # ours: steps that are left when all is gathered in
   define good(cell) = has_apple(cell) and rank(pay_order[cell.hue], cell.fruit) is best
   policy greedy "eats the nearest apple" { seek tree where has_apple(tree) }

@@ -175,23 +175,23 @@ WATER_SHOWN = 2  # as it is shown
 MARK_MASK = 3
 MARKS_OF_SCRUB = 20  # cells that scrub can mark
 MARKS_OF_FIRE = 20  # cells that fire can mark
-STREAM_START = 0x36d7f8b2  # open_clean_up.sj:66
-STREAM_START_2 = 0x6472d026  # open_clean_up.sj:67
-STREAM_START_3 = 0xf73858ae  # open_clean_up.sj:69
-STREAM_START_4 = 0xe8058df6  # open_clean_up.sj:69
-STREAM_START_5 = 0xa452ab5d  # open_clean_up.sj:64
-STREAM_START_6 = 0xcb7943f8  # open_clean_up.sj:64
-STREAM_GROW = 0x3679110a  # open_clean_up.sj:76
-STREAM_POLLUTE = 0x0252afc3  # open_clean_up.sj:80
-STREAM_POLLUTE_2 = 0xc42e2164  # open_clean_up.sj:81
-STREAM_POLLUTE_3 = 0x0047a480  # open_clean_up.sj:83
-STREAM_POLLUTE_4 = 0xc4a87a59  # open_clean_up.sj:85
-STREAM_POLLUTE_5 = 0x01e95495  # open_clean_up.sj:85
-STREAM_WALK = 0xbcc46097  # open_clean_up.sj:91
-STREAM_FIRE = 0x586408f2  # open_clean_up.sj:116
-STREAM_FIRE_2 = 0xba266f0d  # open_clean_up.sj:116
-STREAM_DRAW_TASK = 0x5c0e0dcd  # open_clean_up.sj:30
-STREAM_DRAW_TASK_2 = 0x53fcb278  # open_clean_up.sj:31
+STREAM_START = 0x36d7f8b2  # open_clean_up.sj:67
+STREAM_START_2 = 0x6472d026  # open_clean_up.sj:68
+STREAM_START_3 = 0xf73858ae  # open_clean_up.sj:70
+STREAM_START_4 = 0xe8058df6  # open_clean_up.sj:70
+STREAM_START_5 = 0xa452ab5d  # open_clean_up.sj:65
+STREAM_START_6 = 0xcb7943f8  # open_clean_up.sj:65
+STREAM_GROW = 0x3679110a  # open_clean_up.sj:77
+STREAM_POLLUTE = 0x0252afc3  # open_clean_up.sj:81
+STREAM_POLLUTE_2 = 0xc42e2164  # open_clean_up.sj:82
+STREAM_POLLUTE_3 = 0x0047a480  # open_clean_up.sj:84
+STREAM_POLLUTE_4 = 0xc4a87a59  # open_clean_up.sj:86
+STREAM_POLLUTE_5 = 0x01e95495  # open_clean_up.sj:86
+STREAM_WALK = 0xbcc46097  # open_clean_up.sj:92
+STREAM_FIRE = 0x586408f2  # open_clean_up.sj:117
+STREAM_FIRE_2 = 0xba266f0d  # open_clean_up.sj:117
+STREAM_DRAW_TASK = 0x5c0e0dcd  # open_clean_up.sj:31
+STREAM_DRAW_TASK_2 = 0x53fcb278  # open_clean_up.sj:32
 
 CELLS_GATE = jnp.asarray(cells_of(MAP, PAD, "P"))  # cells of gate
 # number of each cell among orchard; past the end: none
@@ -354,9 +354,9 @@ def draw_task(state: State, out: Outcome, params: Params, actions: Array, key: A
       field main_hue : { red, yellow, green, cyan, purple }
     }
     """
-    recipe = dealt_values(random_bits(key, STREAM_DRAW_TASK, NUM_WORLD_RECIPE), 16)  # open_clean_up.sj:30
+    recipe = dealt_values(random_bits(key, STREAM_DRAW_TASK, NUM_WORLD_RECIPE), 16)  # open_clean_up.sj:31
     world_recipe = recipe.astype(jnp.uint8)
-    main_hue = below(random_bits(key, STREAM_DRAW_TASK_2), 5).astype(jnp.uint8)  # open_clean_up.sj:31
+    main_hue = below(random_bits(key, STREAM_DRAW_TASK_2), 5).astype(jnp.uint8)  # open_clean_up.sj:32
     world_main_hue = main_hue.astype(jnp.int32)
     return state.replace(world_recipe=world_recipe, world_main_hue=world_main_hue), out
 
@@ -389,21 +389,21 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
       }
     }
     """
-    sent = jnp.full(NUM_AGENTS, True)  # open_clean_up.sj:64
-    word = random_bits(key, STREAM_START, NUM_WATER) >> 1  # open_clean_up.sj:66
+    sent = jnp.full(NUM_AGENTS, True)  # open_clean_up.sj:65
+    word = random_bits(key, STREAM_START, NUM_WATER) >> 1  # open_clean_up.sj:67
     happens = word < threshold(params.initial_dirt)
     active = (state.water_state == WATER_LIGHT) & happens
-    shade = below(random_bits(key, STREAM_START_2, NUM_WATER), 3).astype(jnp.uint8)  # open_clean_up.sj:67
-    water_state = jnp.where(active, shade + 1, state.water_state)  # open_clean_up.sj:68
-    word_2 = random_bits(key, STREAM_START_3, NUM_WATER) >> 1  # open_clean_up.sj:69
+    shade = below(random_bits(key, STREAM_START_2, NUM_WATER), 3).astype(jnp.uint8)  # open_clean_up.sj:68
+    water_state = jnp.where(active, shade + 1, state.water_state)  # open_clean_up.sj:69
+    word_2 = random_bits(key, STREAM_START_3, NUM_WATER) >> 1  # open_clean_up.sj:70
     happens_2 = word_2 < threshold(params.skew)
     water_hue = jnp.where(active & happens_2, state.world_main_hue.astype(jnp.uint8), state.water_hue)
     active_2 = active & ~happens_2
     hue = below(random_bits(key, STREAM_START_4, NUM_WATER), 5).astype(jnp.uint8)
     water_hue = jnp.where(active_2, hue, water_hue)
-    # open_clean_up.sj:70
+    # open_clean_up.sj:71
     water_state = jnp.where((state.water_state == WATER_LIGHT) & ~happens, WATER_CLEAN, water_state)
-    # open_clean_up.sj:64
+    # open_clean_up.sj:65
     position, placed = place(CELLS_GATE, None, random_bits(key, STREAM_START_5, NUM_AGENTS), state.position, sent)
     heading = jnp.where(placed, below(random_bits(key, STREAM_START_6, NUM_AGENTS), 4), state.heading)
     return state.replace(water_state=water_state, water_hue=water_hue, position=position, heading=heading), out
@@ -414,7 +414,7 @@ def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array)
       each orchard where orchard.fruit is none and nobody on orchard { chance growth { set orchard.fruit = ripe } }
     }
     """
-    orchard_under = SITE_OF_ORCHARD[state.position]  # open_clean_up.sj:76
+    orchard_under = SITE_OF_ORCHARD[state.position]  # open_clean_up.sj:77
     covered = occupied(orchard_under, NUM_ORCHARD)
     num_water = count_of(state.water_state != WATER_CLEAN)
     dirt = divided(num_water.astype(jnp.float32), NUM_WATER_STREAM)
@@ -431,7 +431,7 @@ def pollute(state: State, out: Outcome, params: Params, actions: Array, key: Arr
       when step > grace {
         chance pollution {
           pick 1 water where water.state is clean {
-            when nobody on water {  # released code: otherwise none falls
+            when nobody on water {  # released code: if somebody stands there, none falls in this step
               draw shade from { light, mid, dark }
               set water.state = shade
               chance skew { set water.hue = main_hue } otherwise { draw hue from { red, yellow, green, cyan, purple }
@@ -442,16 +442,16 @@ def pollute(state: State, out: Outcome, params: Params, actions: Array, key: Arr
       }
     }
     """
-    happens = (random_bits(key, STREAM_POLLUTE) >> 1) < threshold(params.pollution)  # open_clean_up.sj:80
+    happens = (random_bits(key, STREAM_POLLUTE) >> 1) < threshold(params.pollution)  # open_clean_up.sj:81
     active = (state.step > params.grace) & happens
-    water, found = pick(state.water_state == WATER_CLEAN, random_bits(key, STREAM_POLLUTE_2))  # open_clean_up.sj:81
-    where_uncovered = active & found & ~any_of(CELLS_WATER[water] == state.position)  # open_clean_up.sj:82
-    instance = water.astype(jnp.uint32)  # open_clean_up.sj:83
+    water, found = pick(state.water_state == WATER_CLEAN, random_bits(key, STREAM_POLLUTE_2))  # open_clean_up.sj:82
+    where_uncovered = active & found & ~any_of(CELLS_WATER[water] == state.position)  # open_clean_up.sj:83
+    instance = water.astype(jnp.uint32)  # open_clean_up.sj:84
     word = random_bits_at(key, STREAM_POLLUTE_3, instance)
     shade = below(word, 3).astype(jnp.uint8)
-    to_water = jnp.where(where_uncovered, water, NUM_WATER)  # open_clean_up.sj:84
+    to_water = jnp.where(where_uncovered, water, NUM_WATER)  # open_clean_up.sj:85
     water_state = set_at(state.water_state, to_water, shade + 1)
-    word_2 = random_bits_at(key, STREAM_POLLUTE_4, instance)  # open_clean_up.sj:85
+    word_2 = random_bits_at(key, STREAM_POLLUTE_4, instance)  # open_clean_up.sj:86
     word_3 = word_2 >> 1
     happens_2 = word_3 < threshold(params.skew)
     to_water_2 = jnp.where(where_uncovered & happens_2, water, NUM_WATER)
@@ -466,7 +466,7 @@ def pollute(state: State, out: Outcome, params: Params, actions: Array, key: Arr
 
 def walk(state: State, out: Outcome, params: Params, actions: Array, key: Array) -> tuple[State, Outcome]:
     """phase walk { move each agent }"""
-    heading = (state.heading + TURN[actions]) & 3  # open_clean_up.sj:91
+    heading = (state.heading + TURN[actions]) & 3  # open_clean_up.sj:92
     stride = STEP_BY[actions]
     target = jnp.where(stride == NO_STEP, state.position, NEXT_CELL[state.position * 4 + (stride & 3)])
     position = resolve(state.position, target, random_bits(key, STREAM_WALK, NUM_AGENTS))
@@ -479,7 +479,7 @@ def eat(state: State, out: Outcome, params: Params, actions: Array, key: Array) 
           for agent }
     }
     """
-    orchard_under = SITE_OF_ORCHARD[state.position]  # open_clean_up.sj:93
+    orchard_under = SITE_OF_ORCHARD[state.position]  # open_clean_up.sj:94
     on_orchard_and_is_ripe = (orchard_under < NUM_ORCHARD) & (state.orchard_fruit[orchard_under] == ORCHARD_RIPE)
     to_orchard = jnp.where(on_orchard_and_is_ripe, orchard_under, NUM_ORCHARD)
     orchard_fruit = set_at(state.orchard_fruit, to_orchard, ORCHARD_NONE)
@@ -494,7 +494,7 @@ def collect(state: State, out: Outcome, params: Params, actions: Array, key: Arr
           tally picks for agent }
     }
     """
-    station_under = SITE_OF_STATION[state.position]  # open_clean_up.sj:96
+    station_under = SITE_OF_STATION[state.position]  # open_clean_up.sj:97
     on_station_and_chose_pick_up = (station_under < NUM_STATION) & (actions == ACTION_PICK_UP)
     agent_older = jnp.where(on_station_and_chose_pick_up, state.agent_newer, state.agent_older)
     agent_newer = jnp.where(on_station_and_chose_pick_up, state.station_tool[station_under] + 1, state.agent_newer)
@@ -519,11 +519,11 @@ def scrub(state: State, out: Outcome, params: Params, actions: Array, key: Array
       }
     }
     """
-    chose_clean = actions == ACTION_CLEAN  # open_clean_up.sj:99
-    beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # open_clean_up.sj:100
+    chose_clean = actions == ACTION_CLEAN  # open_clean_up.sj:100
+    beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # open_clean_up.sj:101
     marked = jnp.where(chose_clean[:, None] & INSIDE[beam_cells], beam_cells, NOWHERE).reshape(-1)
-    event_shots = out.event_shots + chose_clean.astype(jnp.int32)  # open_clean_up.sj:101
-    beam_water = SITE_OF_WATER[beam_cells]  # open_clean_up.sj:102
+    event_shots = out.event_shots + chose_clean.astype(jnp.int32)  # open_clean_up.sj:102
+    beam_water = SITE_OF_WATER[beam_cells]  # open_clean_up.sj:103
     pair_2 = 4 * params.number_of[state.agent_older] + params.number_of[state.agent_newer]
     water_in_beam_and_is_light = (
         chose_clean[:, None]
@@ -531,27 +531,27 @@ def scrub(state: State, out: Outcome, params: Params, actions: Array, key: Array
         & (state.water_state[beam_water] == WATER_LIGHT)
         & (state.world_recipe[state.water_hue[beam_water]].astype(jnp.int32) == pair_2[:, None])
     )
-    to_water = jnp.where(water_in_beam_and_is_light, beam_water, NUM_WATER)  # open_clean_up.sj:103
+    to_water = jnp.where(water_in_beam_and_is_light, beam_water, NUM_WATER)  # open_clean_up.sj:104
     water_state = set_at(state.water_state, to_water, WATER_CLEAN)
     cleared = count_of(water_in_beam_and_is_light, axis=1)
     event_cleared = out.event_cleared + cleared
-    water_in_beam_and_is_mid = (  # open_clean_up.sj:105
+    water_in_beam_and_is_mid = (  # open_clean_up.sj:106
         chose_clean[:, None]
         & (beam_water < NUM_WATER)
         & (state.water_state[beam_water] == WATER_MID)
         & (state.world_recipe[WORLD_RECIPE_MID].astype(jnp.int32) == pair_2)[:, None]
     )
-    to_water_2 = jnp.where(water_in_beam_and_is_mid, beam_water, NUM_WATER)  # open_clean_up.sj:106
+    to_water_2 = jnp.where(water_in_beam_and_is_mid, beam_water, NUM_WATER)  # open_clean_up.sj:107
     water_state = set_at(water_state, to_water_2, WATER_LIGHT)
     thinned = count_of(water_in_beam_and_is_mid, axis=1)
     event_thinned = out.event_thinned + thinned
-    water_in_beam_and_is_dark = (  # open_clean_up.sj:108
+    water_in_beam_and_is_dark = (  # open_clean_up.sj:109
         chose_clean[:, None]
         & (beam_water < NUM_WATER)
         & (state.water_state[beam_water] == WATER_DARK)
         & (state.world_recipe[WORLD_RECIPE_DARK].astype(jnp.int32) == pair_2)[:, None]
     )
-    to_water_3 = jnp.where(water_in_beam_and_is_dark, beam_water, NUM_WATER)  # open_clean_up.sj:109
+    to_water_3 = jnp.where(water_in_beam_and_is_dark, beam_water, NUM_WATER)  # open_clean_up.sj:110
     water_state = set_at(water_state, to_water_3, WATER_MID)
     thinned_2 = count_of(water_in_beam_and_is_dark, axis=1)
     event_thinned = event_thinned + thinned_2
@@ -569,10 +569,10 @@ def fire(state: State, out: Outcome, params: Params, actions: Array, key: Array)
       }
     }
     """
-    chose_zap = actions == ACTION_ZAP  # open_clean_up.sj:114
-    beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # open_clean_up.sj:115
+    chose_zap = actions == ACTION_ZAP  # open_clean_up.sj:115
+    beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]  # open_clean_up.sj:116
     marked = jnp.where(chose_zap[:, None] & INSIDE[beam_cells], beam_cells, NOWHERE).reshape(-1)
-    in_beam = any_of(beam_cells[:, :, None] == state.position[None, None, :], axis=1)  # open_clean_up.sj:116
+    in_beam = any_of(beam_cells[:, :, None] == state.position[None, None, :], axis=1)  # open_clean_up.sj:117
     victim_in_beam = chose_zap[:, None] & in_beam
     sent = any_of(victim_in_beam, axis=0)
     hits = count_of(victim_in_beam, axis=1)
@@ -592,13 +592,13 @@ def allowed_actions(state: State, params: Params) -> Array:
 
 def measures(state: State, params: Params) -> dict[str, Array]:
     """Returns the `mean` and `final` values at the end of a step: float32 scalars by name."""
-    num_clean_water = count_of(state.water_state == WATER_CLEAN)  # open_clean_up.sj:142
+    num_clean_water = count_of(state.water_state == WATER_CLEAN)  # open_clean_up.sj:143
     return {"clean_water": num_clean_water.astype(jnp.float32)}
 
 
 def trial_length(params: Params) -> Array:
     """Returns the steps until a trial ends, unless an `end` does so: int32 scalar."""
-    return jnp.asarray(params.length, jnp.int32)  # open_clean_up.sj:27
+    return jnp.asarray(params.length, jnp.int32)  # open_clean_up.sj:28
 
 
 def episode_length(params: Params) -> Array:
@@ -610,15 +610,15 @@ def observe(state: State, params: Params) -> Array:
     """Returns what each agent sees: `[N, 6, 11, 11]` uint8; planes as in TOKEN_PLANES."""
     plane_0 = BASE
     plane_1 = jnp.zeros(FRAME_CELLS, jnp.uint8)
-    # open_clean_up.sj:36
+    # open_clean_up.sj:37
     plane_0 = fill(plane_0, CELLS_WATER, look_number(WATER_LOOK, (4, 5), state.water_state, state.water_hue))
-    plane_0 = fill(plane_0, CELLS_ORCHARD, state.orchard_fruit + ORCHARD_LOOK)  # open_clean_up.sj:41
-    plane_0 = fill(plane_0, CELLS_STATION, state.station_tool + STATION_LOOK)  # open_clean_up.sj:42
-    plane_1 = paint(plane_1, state.mark_scrub, MARK_SCRUB_BIT)  # open_clean_up.sj:98
-    plane_1 = paint(plane_1, state.mark_fire, MARK_FIRE_BIT)  # open_clean_up.sj:113
-    # open_clean_up.sj:50
+    plane_0 = fill(plane_0, CELLS_ORCHARD, state.orchard_fruit + ORCHARD_LOOK)  # open_clean_up.sj:42
+    plane_0 = fill(plane_0, CELLS_STATION, state.station_tool + STATION_LOOK)  # open_clean_up.sj:43
+    plane_1 = paint(plane_1, state.mark_scrub, MARK_SCRUB_BIT)  # open_clean_up.sj:99
+    plane_1 = paint(plane_1, state.mark_fire, MARK_FIRE_BIT)  # open_clean_up.sj:114
+    # open_clean_up.sj:51
     plane_0 = paint(plane_0, state.position, (state.heading.astype(jnp.uint8) + 1) << AGENT_SHIFT)
-    seen_0 = windows(  # open_clean_up.sj:135
+    seen_0 = windows(  # open_clean_up.sj:136
         plane_0.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
     seen_1 = windows(
@@ -636,7 +636,7 @@ def observe(state: State, params: Params) -> Array:
     others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)
     agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)
     marks = seen_1 & MARK_MASK
-    shown_heading = state.heading.astype(jnp.uint8)  # open_clean_up.sj:137
+    shown_heading = state.heading.astype(jnp.uint8)  # open_clean_up.sj:138
     return planes_of(
         WINDOW,
         None,

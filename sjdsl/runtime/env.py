@@ -104,7 +104,7 @@ class Environment:
     def tasks(self) -> Any:
         """Which tasks are played, as the argument `tasks` of `make`; None in a game without any.
 
-        Also None without a compiler, whose module plays all.
+        None too if it was made from a compiled module alone, which plays all tasks.
         """
         task = None if self.game is None else self.game.task
         if task is None:

@@ -35,9 +35,10 @@ def check_same_run(env: Environment, run_dir: Path) -> dict[str, Any]:
             f"{', '.join(changed) or 'some are gone'}"
         )
     if (stored.get("tasks"), stored.get("split")) != (game.get("tasks"), game.get("split")):
+        played = " ".join(filter(None, (str(stored.get("tasks") or "all"), stored.get("split"))))
         raise RunError(
-            f"{run_dir} is a run on other tasks of the game: {stored.get('tasks')} "
-            f"{stored.get('split') or ''}"
+            f"{run_dir} was trained on other tasks ({played}): make the environment with "
+            "the same tasks and split"
         )
     installed = versions()
     others = [

@@ -169,7 +169,6 @@ def _result(operation: Calculation, e: ast.Expr, args: Sequence[ir.Expr], scope:
         ends = [narrowed_real(a, scope.facts_and_requires) for a in args]
     if operation.domain is not None:
         _check_domain(operation, operation.domain, e, args[0], scope)
-        ends = [_within(operation.domain, ends[0])]
     low, high = operation.interval(*ends)
     if operation.finite and max(-low, high) > FLOAT32:
         labels = parameters_read(scope.static, *args)
@@ -218,7 +217,9 @@ def _check_domain(
         help_ = f"guard it, `when {written} {sign} 0 {{ … }}`, or {help_}"
     taken = domain.named
     if is_power:
-        taken = "a base above 0, as its exponent is no whole number that is written"
+        taken = (
+            "a base above 0, as its exponent isn't a whole number known when the game is compiled"
+        )
     raise scope.fail(
         errors.OutsideDomain(
             span,
@@ -229,12 +230,6 @@ def _check_domain(
             reached=interval_text(low, high),
         )
     )
-
-
-def _within(domain: Domain, interval: tuple[float, float]) -> tuple[float, float]:
-    """Returns what an argument can be, in the domain of its function."""
-    low = min(max(interval[0], domain.low), domain.high)
-    return low, max(min(interval[1], domain.high), low)
 
 
 def _unit_mismatch(

@@ -4,7 +4,7 @@ from dataclasses import replace
 from math import inf
 
 from sjdsl.compiler import ast, ir
-from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.fitting import check_number, fitting_value
@@ -19,7 +19,8 @@ from sjdsl.compiler.ir.range_arithmetic import FLOAT32, Range
 from sjdsl.compiler.ir.types import describe, has_limits, is_number
 
 BOUND_BOTH = "guard the change with `when`, or bound it with `min` and `max`"
-MOST_ADDED = 2**22  # instances of a statement: a cell of the largest map and an agent
+# times that one statement can add to a field, in `each cell { each agent { … } }`
+MOST_ADDED = limits.MAX_MAP_CELLS * limits.MAX_AGENTS
 ONLY_ADD = "only `add` stops at the end of a range that is `capped`"
 
 

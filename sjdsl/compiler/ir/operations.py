@@ -227,22 +227,6 @@ def _nearest_whole(a: Interval) -> Interval:
     return low, high
 
 
-def _root(a: Interval) -> Interval:
-    """Returns the interval of square roots; what guards rule out counts as 0."""
-    return math.sqrt(max(a[0], 0.0)), math.sqrt(max(a[1], 0.0))
-
-
-def _exponential(a: Interval) -> Interval:
-    """Returns the interval of powers of e; the exponent ends at that of float32."""
-    low, high = (math.exp(min(end, GREATEST_EXPONENT)) for end in a)
-    return low if low >= SMALLEST else 0.0, high
-
-
-def _logarithm(a: Interval) -> Interval:
-    """Returns the interval of logarithms, from that of the least positive float32."""
-    return math.log(max(a[0], SMALLEST)), math.log(max(a[1], SMALLEST))
-
-
 def _power(a: Interval, exponent: Interval) -> Interval:
     """Returns the interval of a power with a fixed exponent, a whole number that isn't negative."""
     number = int(exponent[0])
@@ -334,16 +318,12 @@ def _ramp_range(parts: Sequence[Range]) -> Range:
     return Range(0.0, 1.0, terms=1.0, rounded_once=False, sound=sound)
 
 
-def _range_by(
-    interval: Callable[[Interval], Interval], domain: Domain
-) -> Callable[[Sequence[Range]], Range]:
+def _range_by(interval: Callable[[Interval], Interval]) -> Callable[[Sequence[Range]], Range]:
     """Returns the rule for the range of a function that is computed with several roundings."""
 
     def range_(parts: Sequence[Range]) -> Range:
         value = to_float32(parts[0])
-        low = min(max(value.low, domain.low), domain.high)
-        high = max(min(value.high, domain.high), domain.low)
-        low, high = interval((low, high))
+        low, high = interval((value.low, value.high))
         largest = max(abs(low), abs(high))
         return rounded(
             Range(low, high, terms=largest, sound=value.sound, literal=value.literal), ROUNDINGS
@@ -379,11 +359,42 @@ def _operator(sign: str, gives: str, array: str = "", **columns: Any) -> Calcula
     )
 
 
+def _elementary(
+    name: str,
+    gives: str,
+    domain: Domain,
+    fold: Callable[[float], float],
+    array: str,
+    exact: str = "",
+) -> Calculation:
+    """Returns the row of a function that rises with its argument. exact: empty if it is `array`."""
+
+    def interval(a: Interval) -> Interval:
+        low = fold(a[0])
+        is_tiny = 0 < low < SMALLEST
+        return 0.0 if is_tiny else low, fold(a[1])
+
+    return Calculation(
+        name=name,
+        uses=((f"{name}(x)", gives),),
+        yields=True,
+        domain=domain,
+        unit=lambda _: "number",
+        kind="real",
+        fold=fold,
+        interval=interval,
+        slope=lambda parts, _: parts[0].slope,
+        range=_range_by(interval),
+        array=array,
+        exact=exact or array,
+    )
+
+
 # ---- the table
 
 GREATEST_EXPONENT = 88.0  # of e; e^89 is no float32
 ROUNDINGS = 4  # a root or a logarithm is off by less than so many units in the last place
-NOT_NEGATIVE = Domain(0.0, inf, False, "numbers from 0", "max({}, 0)")
+NOT_NEGATIVE = Domain(0.0, inf, False, "numbers from 0 up", "max({}, 0)")
 POSITIVE = Domain(SMALLEST, inf, True, "numbers above 0", "max({}, 0.001)")
 SMALL = Domain(-inf, GREATEST_EXPONENT, False, "numbers up to 88", "min({}, 88)")
 
@@ -516,47 +527,27 @@ OPERATIONS: tuple[Function, ...] = (
         slope=lambda parts, _: _scaled(*parts[0]),
         array="jnp.abs",
     ),
-    Calculation(
-        name="sqrt",
-        uses=(("sqrt(x)", "the square root of a number that isn't negative"),),
-        yields=True,
-        domain=NOT_NEGATIVE,
-        unit=lambda _: "number",
-        kind="real",
-        fold=lambda x: math.sqrt(max(x, 0.0)),
-        interval=_root,
-        slope=lambda parts, _: parts[0].slope,
-        range=_range_by(_root, NOT_NEGATIVE),
-        array="root",
+    _elementary(
+        "sqrt",
+        "the square root of a number that isn't negative",
+        NOT_NEGATIVE,
+        lambda x: math.sqrt(max(x, 0.0)),
+        "root",
         exact="exact_root",
     ),
-    Calculation(
-        name="exp",
-        uses=(("exp(x)", "e to the power of x, which is at most 88"),),
-        yields=True,
-        domain=SMALL,
-        unit=lambda _: "number",
-        kind="real",
-        fold=lambda x: math.exp(min(x, GREATEST_EXPONENT)),
-        interval=_exponential,
-        slope=lambda parts, _: parts[0].slope,
-        range=_range_by(_exponential, SMALL),
-        array="exponential",
-        exact="exponential",
+    _elementary(
+        "exp",
+        "e to the power of x, which is at most 88",
+        SMALL,
+        lambda x: math.exp(min(x, GREATEST_EXPONENT)),
+        "exponential",
     ),
-    Calculation(
-        name="log",
-        uses=(("log(x)", "the natural logarithm of a number above 0"),),
-        yields=True,
-        domain=POSITIVE,
-        unit=lambda _: "number",
-        kind="real",
-        fold=lambda x: math.log(max(x, SMALLEST)),
-        interval=_logarithm,
-        slope=lambda parts, _: parts[0].slope,
-        range=_range_by(_logarithm, POSITIVE),
-        array="logarithm",
-        exact="logarithm",
+    _elementary(
+        "log",
+        "the natural logarithm of a number above 0",
+        POSITIVE,
+        lambda x: math.log(max(x, SMALLEST)),
+        "logarithm",
     ),
     Function(
         "lowest", (("lowest(row)", "the first word of the row whose entry is above 0"),), ir.Lowest
@@ -682,7 +673,7 @@ OPERATIONS: tuple[Function, ...] = (
     ),
     _operator(
         "^",
-        "a to the power of b, a number that is written or a size",
+        "a to the power of b; a is above 0 unless b is a whole number known when the game is compiled",
         verb="take a power of",
         unit=lambda a, b: times_unit(a, a) if b in ("number", "count") else None,
         finite=True,

@@ -111,7 +111,7 @@ class FieldRange(AboutName, code="SJ204", title="A field can leave its range"):
 
 
 class LeavesFloat32InField(FieldRange):
-    says = "`{name}` gets a number that may leave float32, and then is in no range"
+    says = "`{name}` can get a number too large for float32, which is in no range"
     hints = ("compute it from fields and params with limits, such as `number in 0 .. 10`",)
 
 
