@@ -4,12 +4,17 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import kinds_by_glyph
 from sjdsl.compiler.lower.cell_appearance import COVERED
 from sjdsl.doc.wording import joined, number
+from sjdsl.told.codes import HEADING_UNSEEN, UNSEEN
 from sjdsl.told.legal import has_built_in_moves, looks_north
 from sjdsl.told.phrases import English
 from sjdsl.told.relevance import Relevant
 from sjdsl.told.window import Window
 
 NOBODY = "nobody"  # the label of `other.` planes where no agent is
+OTHERS_LOOK = (
+    "A^ A> Av A< are other agents: ^ looks the way you do, > to your right, v toward you, "
+    "< to your left."
+)
 MOST_CODES = 40  # of a game whose text lists them; otherwise they stand in each message alone
 
 
@@ -23,15 +28,10 @@ def reading(relevant: Relevant, window: Window, english: English) -> list[str]:
         *_views(seen, english),
         f"{_top(game, window)} ME is you. ## is outside the grid.",
     ]
-    if game.agents.number > 1 and looks_north(game):
-        lines.append("A^ are other agents.")
-    elif game.agents.number > 1:
-        lines.append(
-            "A^ A> Av A< are other agents: ^ looks the way you do, > to your right, v toward you, "
-            "< to your left."
-        )
+    if game.agents.number > 1:
+        lines += _others(window, game)
     if COVERED in window.codes and any(hidden.what == "content" for hidden in game.hidden):
-        lines.append("?? is hidden from you.")
+        lines.append(f"{UNSEEN} is hidden from you.")
     codes = window.codes
     whole = {o.kind for o in game.observables if o.what == "cell" and not o.field}
     absent = {kind.name for kind in game.kinds} - english.naming.all_kinds - whole
@@ -39,7 +39,7 @@ def reading(relevant: Relevant, window: Window, english: English) -> list[str]:
         named = [
             f"{code} {label}"
             for label, code in codes.items()
-            if code not in ("##", "??") and label.split()[0] not in absent
+            if code not in ("##", UNSEEN) and label.split()[0] not in absent
         ]
         lines.append(f"Other codes: {'; '.join(named)}.")
     else:
@@ -65,6 +65,17 @@ def _top(game: ir.Game, window: Window) -> str:
     if any(plane.name == "agent.heading" for plane in window.planes):
         return f"{top}, which agent.heading says. Steps go by the compass."
     return f"{top}, which you are not told. Steps go by the compass."
+
+
+def _others(window: Window, game: ir.Game) -> list[str]:
+    """Returns what the codes of other agents mean."""
+    labels = window.planes[1].labels
+    lines = []
+    if "other same heading" in labels:
+        lines.append("A^ are other agents." if looks_north(game) else OTHERS_LOOK)
+    if "other" in labels:
+        lines.append(f"{HEADING_UNSEEN} is an agent whose direction you can't see.")
+    return lines
 
 
 def _views(window: ir.Window, english: English) -> list[str]:
@@ -163,7 +174,7 @@ def _name(observable: ir.Observable) -> str:
         case "world":
             owner = ""
         case "heading":
-            owner = "other"
+            return "other.heading"
     entry = "" if observable.word is None else f"[{observable.word.key}]"
     name = f"{observable.field}{entry}"
     return ".".join(filter(None, (owner, name)))

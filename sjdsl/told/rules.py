@@ -19,7 +19,7 @@ from sjdsl.doc.wording import counted, joined, number
 from sjdsl.told.legal import can_turn, has_built_in_moves, looks_north
 from sjdsl.told.lines import Line, bullets
 from sjdsl.told.naming import Naming, article, shown_value
-from sjdsl.told.parameters import HasGame, defaults, parameters_of
+from sjdsl.told.parameters import HasGame, parameters_of
 from sjdsl.told.phrases import English
 from sjdsl.told.reading import map_lines, reading
 from sjdsl.told.relevance import FieldName, Relevant, fields_read, relevant, set_in
@@ -59,12 +59,10 @@ def told(env: HasGame | ir.Game, agent: int | None = None) -> str:
         raise ValueError("this environment was made without its rules: pass one of `sjdsl.make`")
     if agent is not None and not 0 <= agent < game.agents.number:
         raise ValueError(f"agents are numbered 0 to {game.agents.number - 1}; there is no {agent}")
-    values = defaults(game) if isinstance(env, ir.Game) else parameters_of(env)
-    return rules_text(game, values, agent)
-
-
-def rules_text(game: ir.Game, values: Mapping[str, Any], agent: int | None) -> str:
-    """Returns the text on a game with these parameters."""
+    if isinstance(env, ir.Game):
+        values = {param.name: param.value for param in game.params}
+    else:
+        values = parameters_of(env)
     player = _Player(game, values)
     sections = {
         "YOUR AIM": player.aim(agent),
