@@ -23,22 +23,11 @@ from sjdsl.told.parameters import HasGame, parameters_of
 from sjdsl.told.phrases import English
 from sjdsl.told.reading import map_lines, reading
 from sjdsl.told.relevance import FieldName, Relevant, fields_read, relevant, set_in
+from sjdsl.told.reply import REPLY
 from sjdsl.told.sentences import Speaker
 from sjdsl.told.shapes import shape_lines
 from sjdsl.told.terms import PLACEHOLDERS, explained, with_terms
 from sjdsl.told.window import Window
-
-REPLY = """\
-Before each step you get a message: your last reward, steps and notes, if there are any; what you
-see, under WHAT YOU SEE NOW; and the actions that are allowed, under YOUR ACTIONS NOW. Reply to it
-with one JSON object and nothing else:
-{"why": "at most 500 characters", "goal": "what you are after, at most 120 characters",
- "note": {"op": "none", "id": 0, "text": ""}, "action": "one of the actions"}
-- "action" is one of the names under YOUR ACTIONS NOW. A reply that can't be read, or an action that
-  isn't allowed, counts as stay. Texts that are too long are cut.
-- You remember nothing but your notes, which stay for the whole episode, and what the message says.
-  "note" changes one note: "op" is "add" (with "text"), "replace" (with "id" and "text"), "delete"
-  (with "id") or "none"."""
 
 
 def told(env: HasGame | ir.Game, agent: int | None = None) -> str:
