@@ -12,6 +12,7 @@ from sjdsl.compiler.ir.queries import (
 )
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.lower.cell_appearance import OTHER_FACING, OUTSIDE
+from sjdsl.doc.actions import has_built_in_moves
 from sjdsl.runtime.actions import DIRECTIONS, HEADINGS, STEPS, TURNS
 from sjdsl.told.codes import UNSEEN
 from sjdsl.told.window import Place, Planes, Window
@@ -36,15 +37,6 @@ def action_lines(window: Window, seen: Planes, allowed: Sequence[bool]) -> list[
     lines = [*steps, ", ".join(plain)] if plain else steps
     forbidden = [name for name in names if name not in legal]
     return [*lines, f"Not now: {', '.join(forbidden)}"] if forbidden else lines
-
-
-def has_built_in_moves(game: ir.Game) -> bool:
-    """Returns whether agents turn and step as they choose."""
-    return any(
-        isinstance(node, ir.Move) and node.course is None
-        for turn in game.schedule
-        for node in ir.walk(turn)
-    )
 
 
 def can_turn(game: ir.Game) -> bool:

@@ -6,7 +6,7 @@ from functools import cached_property
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import all_fields, declared_field
+from sjdsl.compiler.ir.queries import all_fields
 from sjdsl.doc.wording import joined, number
 
 SHORTEST = 3  # letters of a variable's name that can stand for a noun, such as `zapper`
@@ -23,10 +23,6 @@ class Naming:
     game: ir.Game
     values: Mapping[str, Any]
     terms: frozenset[str] = field(default=frozenset())
-
-    @cached_property
-    def shapes(self) -> dict[str, ir.Shape]:
-        return {shape.name: shape for shape in self.game.shapes}
 
     @cached_property
     def all_kinds(self) -> frozenset[str]:
@@ -80,16 +76,6 @@ class Naming:
         if len(member.name) < SHORTEST and not self.is_plain(member):
             return f"{'cell' if member.sort.what == 'cell' else member.sort.name} {member.name}"
         return f"the {member.name}"
-
-    def a_cell(self, kinds: tuple[str, ...]) -> str:
-        return article(self.kinds(kinds))
-
-    def field(self, read: ir.FieldRead) -> ir.VarField:
-        """Returns the declaration of the field that is read or written."""
-        return declared_field(self.game, read)
-
-    def action(self, action: int) -> str:
-        return self.game.agents.actions[action]
 
 
 def article(noun: str) -> str:

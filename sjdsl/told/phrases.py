@@ -14,7 +14,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.fold import Analysis, Rule, UnknownValue, fold
 from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS
-from sjdsl.compiler.ir.queries import is_number_of_cells, num_cells
+from sjdsl.compiler.ir.queries import is_number_of_cells, num_cells, shape_named
 from sjdsl.compiler.ir.values import Evaluation
 from sjdsl.doc.wording import joined, number
 from sjdsl.told.naming import Naming, article, shown_value
@@ -303,13 +303,13 @@ class English(Analysis[Phrase]):
             case ir.IsEmpty():
                 return self._about(e.container, "is empty", "is", "is not")
             case ir.Chose():
-                action = self.naming.action(e.action)
+                action = self.naming.game.agents.actions[e.action]
                 return self._about(e.agent, f"chose {action}", "chose", "did not choose")
             case ir.ChoseWith():
                 given = f" with {self.arguments(e.given)}" if e.given else ""
                 return self._about(e.agent, f"chose {e.action}{given}", "chose", "did not choose")
             case ir.StandsOn():
-                on = self.naming.a_cell(e.kinds)
+                on = article(self.naming.kinds(e.kinds))
                 return self._about(e.agent, f"stands on {on}", "stands", "does not stand")
             case ir.StandsAt():
                 on = self.naming.refer(e.cell)
@@ -447,7 +447,7 @@ class English(Analysis[Phrase]):
     def shape(self, shape: str, anchor: ir.Member) -> str:
         """Returns `the zapper's beam`, ``the shape `disc(2)` around the soil``."""
         who = self.naming.refer(anchor)
-        if not self.naming.shapes[shape].directed:
+        if not shape_named(self.naming.game, shape).directed:
             return f"the shape `{shape}` around {who}"
         if self.naming.is_ambiguous(shape):
             return f"{who}'s shape `{shape}`"

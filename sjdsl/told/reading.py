@@ -1,13 +1,14 @@
 """How to read a window: what it covers, what is shown in it and how, and what isn't."""
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import kinds_by_glyph
+from sjdsl.compiler.ir.queries import all_fields
 from sjdsl.compiler.lower.cell_appearance import COVERED
+from sjdsl.doc.actions import has_built_in_moves
 from sjdsl.doc.wording import joined, number
 from sjdsl.told.codes import HEADING_UNSEEN, UNSEEN
-from sjdsl.told.legal import has_built_in_moves, looks_north
+from sjdsl.told.legal import looks_north
 from sjdsl.told.phrases import English
-from sjdsl.told.relevance import Relevant
+from sjdsl.told.relevance import Relevant, fields_read
 from sjdsl.told.window import Window
 
 NOBODY = "nobody"  # the label of `other.` planes where no agent is
@@ -182,57 +183,15 @@ def _name(observable: ir.Observable) -> str:
 
 def not_shown(relevant: Relevant) -> list[str]:
     """Returns the fields that the rules speak of and no observation shows or tells of."""
-    game = relevant.game
     shown = set()
-    for observable in game.observables:
+    for observable in relevant.game.observables:
+        shown |= fields_read(observable)
         if observable.what != "other":
             shown.add((observable.sort.what, observable.sort.name, observable.field))
-        for node in ir.walk(observable):
-            if isinstance(node, ir.FieldRead):
-                shown |= {
-                    (node.held_by.what, name, node.name)
-                    for name in node.held_by.names or (node.held_by.name,)
-                }
     return [
-        name if what == "world" else f"{owner}.{name}"
-        for what, owner, name in sorted(relevant.fields - shown)
-        if name not in ("heading", "", "row", "col", "index")
-        and _is_declared(what, owner, name, game)
+        field.name if field.held_by.what == "world" else f"{field.held_by.name}.{field.name}"
+        for field in all_fields(relevant.game)
+        if relevant.has(field)
+        and field.name != "heading"
+        and (field.held_by.what, field.held_by.name, field.name) not in shown
     ]
-
-
-def _is_declared(what: str, owner: str, name: str, game: ir.Game) -> bool:
-    fields = [*game.fields, *game.agents.fields]
-    fields += [field for kind in game.kinds for field in kind.fields]
-    fields += [field for movers in game.movers for field in movers.fields]
-    return any((f.held_by.what, f.held_by.name, f.name) == (what, owner, name) for f in fields)
-
-
-def map_lines(game: ir.Game, window: Window) -> list[str]:
-    """Returns the map in the window's codes, if every observation shows the whole of it."""
-    if not _shows_all(game):
-        return []
-    kinds = kinds_by_glyph(game)
-    labels = window.planes[0].labels
-    codes = {}
-    for glyph, kind in kinds.items():
-        label = next((label for label in labels if label.split()[0] == kind), None)
-        if label is None:
-            return []
-        codes[glyph] = ".." if window.codes[label] == ".." else f"{kind[:2]:<2}"
-    if len(set(codes.values())) < len(set(kinds.values())):
-        return []
-    legend = ", ".join(f"{codes[glyph]} {kind}" for glyph, kind in kinds.items())
-    rows = [" ".join(codes[glyph] for glyph in row) for row in game.rows]
-    return [f"North is up; here {legend}, whatever its state.", *rows]
-
-
-def _shows_all(game: ir.Game) -> bool:
-    """Returns whether every window covers the map, and nothing of it is hidden."""
-    reach = max(len(game.rows), len(game.rows[0])) - 1
-    if any(hidden.what == "content" for hidden in game.hidden):
-        return False
-    if any(observable.what == "cell" and not observable.field for observable in game.observables):
-        return False
-    windows: tuple[ir.Window | ir.View, ...] = (game.window, *game.window.views)
-    return all(min(w.ahead, w.behind, w.left, w.right) >= reach for w in windows)
