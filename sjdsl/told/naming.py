@@ -54,7 +54,7 @@ class Naming:
         if member.sort.what == "cell":
             noun = self.kinds(member.kinds)
             return noun.replace("cell", "cells", 1) if plural else noun
-        return f"{member.sort.name}s" if plural else member.sort.name
+        return "agents" if plural and member.sort.what == "agent" else member.sort.name
 
     def is_plain(self, member: ir.Member) -> bool:
         """Returns whether a variable is called as what it is."""

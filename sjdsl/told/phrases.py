@@ -135,7 +135,7 @@ class English(Analysis[Phrase]):
             case ir.At():
                 return self._entry(e)
             case ir.Step():
-                return _simple("the number of the step")
+                return _simple("the step number")
             case ir.Arithmetic():
                 return self._arithmetic(e)
             case ir.Case():
@@ -404,7 +404,7 @@ class English(Analysis[Phrase]):
         restricted: whether to say where they are looked for.
         is_named: whether what follows speaks of a member by its name.
         """
-        own, under, rest = self._clauses(d)
+        own, under, rest = self._clauses(d, plural)
         clauses = [joined(own)] if own else []
         places = []
         if d.restriction is not None and restricted:
@@ -453,13 +453,13 @@ class English(Analysis[Phrase]):
             return f"{who}'s shape `{shape}`"
         return f"{who}'s {shape}"
 
-    def _clauses(self, d: ir.Domain) -> tuple[list[str], list[str], list[str]]:
+    def _clauses(self, d: ir.Domain, plural: bool) -> tuple[list[str], list[str], list[str]]:
         """Returns what is said of the member, of the cell under it, and everything else."""
         own: list[str] = []
         under: list[str] = []
         rest: list[str] = []
         for test in conjuncts(d.where):
-            clause = self._relative(test, d.var)
+            clause = self._relative(test, d.var, plural)
             below = "" if d.on is None else self._relative(test, d.on)
             if clause:
                 own.append(clause)
@@ -469,13 +469,14 @@ class English(Analysis[Phrase]):
                 rest.append(fold(test, self).operand)
         return own, under, rest
 
-    def _relative(self, test: ir.Expr, member: ir.Member) -> str:
+    def _relative(self, test: ir.Expr, member: ir.Member, plural: bool = False) -> str:
         """Returns a condition as a clause behind its noun; empty if it is about another."""
+        it = "them" if plural else "it"
         match test:
             case ir.Unoccupied(cell=cell) if _is(cell, member):
-                return "with nobody on it"
+                return f"with nobody on {it}"
             case ir.Not(value=ir.Unoccupied(cell=cell)) if _is(cell, member):
-                return "with somebody on it"
+                return f"with somebody on {it}"
         phrase = fold(test, self)
         about = phrase.about
         match about:

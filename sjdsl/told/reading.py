@@ -48,7 +48,7 @@ def reading(relevant: Relevant, window: Window, english: English) -> list[str]:
     lines += _planes(window, game)
     conditions = _conditions(game, english)
     if conditions:
-        lines.append("What is shown depends on the state so (the agent is you):")
+        lines.append('How what is shown depends on the state ("the agent" is you):')
     lines += [f"- {text}." for text in conditions]
     unseen = not_shown(relevant)
     if unseen:
@@ -82,9 +82,9 @@ def _others(window: Window, game: ir.Game) -> list[str]:
 def _views(window: ir.Window, english: English) -> list[str]:
     lines = []
     for view in window.views:
-        who = "All others see"
+        who = "Otherwise it sees"
         if view.condition is not None:
-            who = f"An agent sees, if {english.text(view.condition)},"
+            who = f"If {english.text(view.condition)}, an agent sees"
         lines.append(
             f"- {who} from {view.ahead} ahead to {view.behind} behind, and from {view.left} to the "
             f"left to {view.right} to the right; cells beyond look like ##."
@@ -114,14 +114,14 @@ def _planes(window: Window, game: ir.Game) -> list[str]:
                 labels = labels[1:]  # it is said of agents alone
             lines.append(f"- {plane.name}: {', '.join(labels)}")
     if lines:
-        head = "Below the window stand (`agent.` is your own, `other.` of others in view):"
+        head = "Below the window are (`agent.` is your own, `other.` of others in view):"
         lines.insert(0, head)
     marks = next((plane for plane in window.planes if plane.name == "marks"), None)
     if marks is not None:
         stages = joined(marks.labels)
         lines.insert(
             0,
-            f"Below the window stand the cells that the last step marked, by stage ({stages}).",
+            f"Below the window are the cells that the last step marked, by stage ({stages}).",
         )
     return lines
 
@@ -135,15 +135,12 @@ def _conditions(game: ir.Game, english: English) -> list[str]:
             value = english.text(observable.value)
             if value != name:
                 texts.append(f"{name} is {value}")
-        labels: list[str] = []
-        for label in observable.labels:
-            if label.condition is None:
-                labels.append(f"{label.name} otherwise" if labels else f"always {label.name}")
-            else:
-                labels.append(f"{label.name} if {english.text(label.condition)}")
-        is_itself = not observable.field and labels == [f"always {observable.kind}"]
-        if labels and not is_itself:
-            texts.append(f"{name} is shown as {', '.join(labels)}")
+        labels = observable.labels
+        if labels and labels[0].condition is not None:
+            looks = ", ".join(_look(label, english) for label in labels)
+            texts.append(f"{name} is shown as {looks}")
+        elif labels and labels[0].name != name:
+            texts.append(f"{name} always looks like {labels[0].name}")
         if observable.hidden_when is not None:
             texts.append(f"{name} is hidden if {english.text(observable.hidden_when)}")
         if observable.shown_when is not None:
@@ -162,6 +159,12 @@ def _conditions(game: ir.Game, english: English) -> list[str]:
                 when = "" if hidden.when is None else f" if {english.text(hidden.when)}"
                 texts.append(f"{what} not seen on {joined(hidden.kinds, 'or')} cells{when}")
     return texts
+
+
+def _look(label: ir.Label, english: English) -> str:
+    if label.condition is None:
+        return f"{label.name} otherwise"
+    return f"{label.name} if {english.text(label.condition)}"
 
 
 def _name(observable: ir.Observable) -> str:

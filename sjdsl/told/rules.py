@@ -33,7 +33,7 @@ from sjdsl.told.window import Window
 Part = TypeVar("Part", bound=ir.Node)
 FEW = 2  # fields that stand in one line
 MOVES = (
-    "moves: all agents move at once; {}who "
+    "moves: all agents move at once; {}whoever "
     "would step off the grid or onto a cell that it can't enter stays; two can't change places; of "
     "several who would enter one cell one does, by lot; a cell can be entered while its agent "
     "leaves it, not while it stays"
@@ -174,13 +174,13 @@ class _Player:
         heading = ", a heading (north, east, south or west)"
         if looks_north(self.game):
             heading = ""
-        edge = "The edges of the grid are joined: who leaves it on one side comes in on the other."
+        edge = "The edges of the grid are joined: whoever leaves it on one side comes back on the other."
         if not self.game.wraps:
             edge = "Nobody can leave the grid."
         lines = [
             f"The grid has {rows} and {columns}. {edge} "
             f"At most one {self.naming.somebody} stands on a cell.",
-            "Kinds of cell (all can be entered, unless it says so):",
+            "Kinds of cell (all can be entered unless it says otherwise):",
         ]
         for kind in self.game.kinds:
             if kind.name in self.naming.all_kinds:
@@ -193,7 +193,7 @@ class _Player:
         )
         for movers in self.game.movers:
             lines += listed(
-                f"Movers: {movers.number} {movers.name}, who stand on cells as agents do and move as "
+                f"Movers: {movers.number} of the sort {movers.name}, which stand on cells as agents do and move as "
                 "the rules say",
                 self._fields(movers.fields),
                 "; each has",
@@ -208,7 +208,9 @@ class _Player:
         for block in kind.blocks:
             parts += self._block(block)
         head = f"- {kind.name}: {'; '.join(parts)}" if parts else f"- {kind.name}"
-        return listed(head, self._fields(kind.fields, kind), "; has" if parts else ": has", "  ")
+        return listed(
+            head, self._fields(kind.fields, kind), "; it has" if parts else ", which has", "  "
+        )
 
     def _block(self, block: ir.Block) -> list[str]:
         sorts = {sort.name: sort.name for sort in self.game.movers} | {"agents": "agent"}
@@ -378,7 +380,7 @@ class _Player:
             )
         if any(can_be_away(self.game, sort) for sort in body_sorts(self.game)):
             notes.append(
-                "who is away stands nowhere, sees nothing and does nothing; its fields stay, and "
+                "whoever is away stands nowhere, sees nothing and does nothing; its fields stay, and "
                 "it can still get rewards"
             )
         added = self._all(ir.Add)

@@ -161,7 +161,7 @@ class Speaker:
         else:
             right = f" {article(self.english.members(right_domain))}"
         head = (
-            "pairs are made in random order, nobody and nothing being in two. "
+            "pairs are made in random order, with nobody and nothing in more than one. "
             f"A pair is {left} and{right}. For each pair"
         )
         return Line(head, self._body(s.body))

@@ -236,6 +236,7 @@ def test_values_below_the_window_are_those_that_a_player_can_see() -> None:
     reputation = told(game("reputation"))
     assert "- other.health: well, ill, hidden\n" in reputation
     assert "is at most 2; else it is hidden." in reputation
+    assert "- gate always looks like floor.\n" in told(game("chicken_in_the_matrix"))
 
 
 def test_what_stays_from_trial_to_trial_is_told() -> None:
