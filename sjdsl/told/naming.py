@@ -7,7 +7,7 @@ from typing import Any
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import all_fields
-from sjdsl.doc.wording import joined, number
+from sjdsl.doc.wording import joined
 
 SHORTEST = 3  # letters of a variable's name that can stand for a noun, such as `zapper`
 
@@ -81,7 +81,3 @@ class Naming:
 def article(noun: str) -> str:
     """Returns `a wall cell`, `an ore cell`."""
     return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"
-
-
-def shown_value(value: float | str) -> str:
-    return value if isinstance(value, str) else number(value)

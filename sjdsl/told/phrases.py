@@ -17,7 +17,7 @@ from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS
 from sjdsl.compiler.ir.queries import is_number_of_cells, num_cells, shape_named
 from sjdsl.compiler.ir.values import Evaluation
 from sjdsl.doc.wording import joined, number
-from sjdsl.told.naming import Naming, article, shown_value
+from sjdsl.told.naming import Naming, article
 
 COMPARED = {
     "<": "is less than",
@@ -97,7 +97,9 @@ class English(Analysis[Phrase]):
             value = fold(e, Evaluation(self._parameter))
         except UnknownValue:
             return None
-        return shown_value(value if isinstance(value, str | int) else shortest(value))
+        if isinstance(value, str):
+            return value
+        return number(value if isinstance(value, int) else shortest(value))
 
     def _parameter(self, e: ir.Expr) -> Any:
         if isinstance(e, ir.ParamRef):
