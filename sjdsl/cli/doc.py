@@ -19,7 +19,7 @@ from sjdsl.told import told as told_text
 from sjdsl.trace.choices import Chosen, random_actions
 from sjdsl.trace.episode import play
 
-FIRST = 0  # the agent whose message is shown, if none is named; the seed of its episode
+SEED = 0  # of the episode whose message is shown
 
 
 @click.command("doc")
@@ -65,13 +65,17 @@ def command(
 
 
 def _told_text(game: ir.Game, agent: int | None, step: int | None) -> str:
-    """Returns what a player is told, and its message after some steps if they are given."""
+    """Returns what a player is told, and its message after some steps if they are given.
+
+    The message is to agent 0 if none is named.
+    """
+    if agent is None and step is not None:
+        agent = 0
     try:
         text = told_text(game, agent)
-        if step is not None:
-            shown = FIRST if agent is None else agent
-            text += f"\n---- the message to agent {shown} after {step} steps\n\n"
-            text += _message_after(game, shown, step)
+        if agent is not None and step is not None:
+            text += f"\n---- the message to agent {agent} after {step} steps\n\n"
+            text += _message_after(game, agent, step)
     except (NotSupported, ValueError) as refusal:
         raise click.ClickException(str(refusal)) from None
     return text
@@ -88,17 +92,18 @@ def _message_after(game: ir.Game, agent: int, steps: int) -> str:
     def choices(seed: int, _before: int) -> Chosen:
         return random_actions(game, seed)
 
-    moments = play(game, params, FIRST, steps, choices)
+    moments = play(game, params, SEED, steps, choices)
     moment = next(moments)
     for moment in moments:
-        if moment.outcome is None:
+        assert moment.outcome is not None  # only the start of an episode has none
+        reward = float(moment.outcome.reward[agent])
+        chosen = game.agents.actions[moment.actions[agent]]
+        if agent in moment.forbidden:
+            past.append(Past("stay", reward, f"{chosen} was not allowed"))
+        else:
+            past.append(Past(chosen, reward))
+        if moment.is_over:
             raise ValueError(f"the episode is over after {len(past)} steps")
-        is_forbidden = agent in moment.forbidden
-        name = "stay" if is_forbidden else game.agents.actions[moment.actions[agent]]
-        remark = "your choice was not allowed" if is_forbidden else ""
-        past.append(Past(name, float(moment.outcome.reward[agent]), remark))
-    if moment.is_over:
-        raise ValueError(f"the episode is over after {len(past)} steps")
     window = Window(game, token_planes(game))
     seen = observe(game, moment.world)[agent]
     return message(window, seen, action_mask(game, moment.world)[agent], past)

@@ -59,22 +59,42 @@ def _meaning(name: str, action: int | str, game: ir.Game) -> str:
     Args:
       action: its number, or its name if it has arguments.
     """
-    meanings = []
-    if name in RELATIVE and _has_built_in_moves(game):
-        meanings.append((RELATIVE if game.agents.relative else COMPASS)[name])
-    phases: dict[str, None] = {}
-    for phase in game.schedule:
-        if isinstance(phase, ir.Phase) and _asks_for(action, phase):
-            phases[code(phase.label.partition("(")[0])] = None
+    meanings = built_in_moves(name, game)
+    asking = phases_asking_for(action, game)
+    phases = dict.fromkeys(code(phase.label.partition("(")[0]) for phase in asking)
     if phases:
         meanings.append(f"what {joined(phases)} {'says' if len(phases) == 1 else 'say'}")
     return "; ".join(meanings) or "nothing"
 
 
-def _has_built_in_moves(game: ir.Game) -> bool:
-    return any(isinstance(node, ir.Move) and node.course is None for node in ir.walk(game))
+def built_in_moves(name: str, game: ir.Game) -> list[str]:
+    """Returns the turn or step that an action is; nothing if it is none."""
+    if name not in RELATIVE or not has_built_in_moves(game):
+        return []
+    return [(RELATIVE if game.agents.relative else COMPASS)[name]]
 
 
-def _asks_for(action: int | str, phase: ir.Phase) -> bool:
-    nodes = ir.walk(phase)
-    return any(isinstance(n, ir.Chose | ir.ChoseWith) and n.action == action for n in nodes)
+def has_built_in_moves(game: ir.Game) -> bool:
+    """Returns whether agents turn and step as they choose."""
+    return any(
+        isinstance(node, ir.Move) and node.course is None
+        for turn in game.schedule
+        for node in ir.walk(turn)
+    )
+
+
+def phases_asking_for(action: int | str, game: ir.Game) -> list[ir.Phase]:
+    """Returns the phases of a step whose rules ask who chose an action.
+
+    Args:
+      action: its number, or its name if it has arguments.
+    """
+    return [
+        turn
+        for turn in game.schedule
+        if isinstance(turn, ir.Phase)
+        and any(
+            isinstance(node, ir.Chose | ir.ChoseWith) and node.action == action
+            for node in ir.walk(turn)
+        )
+    ]

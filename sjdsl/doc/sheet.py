@@ -13,7 +13,7 @@ from sjdsl.compiler.lower import NotSupported, token_planes
 from sjdsl.doc.actions import action_rows
 from sjdsl.doc.numbers import parameters
 from sjdsl.doc.quoted import comment_behind, quoted
-from sjdsl.doc.wording import code, counted, fenced, joined, number, plain, table
+from sjdsl.doc.wording import code, counted, fenced, joined, plain, table, value_at_start
 from sjdsl.doc.written import Written
 from sjdsl.runtime.planes import TokenPlane
 
@@ -140,13 +140,7 @@ def starts(glyph: ir.GlyphMeaning, game: ir.Game) -> str:
     """Returns the fields of a glyph's kind, each with its value at the start."""
     values = starts_of(game, glyph)
     fields = kind_named(game, glyph.kind).fields
-    return ", ".join(f"{code(f.name)} = {_start(values[f.name], f)}" for f in fields)
-
-
-def _start(start: int | float | str | None, field: ir.VarField) -> str:
-    if start is None:
-        return {"agents": "empty", "cell": "nowhere"}.get(field.type.kind, "nobody")
-    return code(start) if isinstance(start, str) else number(start)
+    return ", ".join(f"{code(f.name)} = {value_at_start(values[f.name], f)}" for f in fields)
 
 
 def overview(w: Written) -> list[str]:

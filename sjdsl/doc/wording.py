@@ -2,14 +2,16 @@
 
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from decimal import Decimal
 from itertools import compress
 from typing import Any
 
+from sjdsl.compiler import ir
 from sjdsl.compiler.ir.printer import number_text
 from sjdsl.compiler.ir.sorts import Level
 
+Mark = Callable[[str], str]  # such as `code`; `str` leaves a word as it is
 SMALLEST = 1e-9  # smaller numbers are written with an exponent
 
 
@@ -42,18 +44,25 @@ def counted(value: float, noun: str) -> str:
     return f"{number(value)} {noun}{'' if value == 1 else 's'}"
 
 
-def table_value(value: Any, by: Sequence[Level]) -> str:
-    """Returns a value; of an indexed one, each entry: `raw: 3, cut: 1`."""
+def table_value(value: Any, by: Sequence[Level], mark: Mark = code) -> str:
+    """Returns a value; of an indexed one, each entry: `raw: 3, cut: 1`. mark: makes words code."""
     if not by:
-        return code(value) if isinstance(value, str) else number(value)
+        return mark(value) if isinstance(value, str) else number(value)
     index = by[0]
-    entries = [table_value(entry, by[1:]) for entry in value]
+    entries = [table_value(entry, by[1:], mark) for entry in value]
     if len(by) > 1:
         entries = [f"({entry})" for entry in entries]
     if index.kind != "word" and len(set(entries)) == 1:
         return f"{entries[0]} for each {'agent' if index.kind == 'agent' else f'of {index}'}"
-    names = map(code, index.names) if index.kind == "word" else index.names
+    names = map(mark, index.names) if index.kind == "word" else index.names
     return ", ".join(f"{name}: {entry}" for name, entry in zip(names, entries, strict=True))
+
+
+def value_at_start(start: float | str | None, field: ir.VarField, mark: Mark = code) -> str:
+    """Returns what a field is at first. mark: makes words code."""
+    if start is None:
+        return {"agents": "empty", "cell": "nowhere"}.get(field.type.kind, "nobody")
+    return table_value(start, (), mark)
 
 
 def fenced(lines: Sequence[str], language: str = "text") -> list[str]:

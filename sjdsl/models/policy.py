@@ -1,7 +1,7 @@
-"""Policies that run on the host: whatever can't be traced, such as a language model or a person."""
+"""What a policy is asked in words, and what it answers."""
 
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Literal
 
 STAY = "stay"  # what a reply that can't be used counts as
 
@@ -44,11 +44,3 @@ class Reply:
     goal: str = ""
     note: NoteEdit | None = None
     problem: str = ""
-
-
-class HostPolicy(Protocol):
-    """Decides for agents one after the other, outside of compiled code."""
-
-    def decide(self, agent: int, message: Message) -> Reply:
-        """Returns what an agent does after a message."""
-        ...

@@ -32,11 +32,12 @@ class FakeProvider:
 
 @dataclass(frozen=True)
 class LanguagePolicy:
-    """A host policy that asks a provider. If there is one action only, it doesn't ask."""
+    """Asks a provider, outside of compiled code. If there is one action only, it doesn't ask."""
 
     provider: Provider
 
     def decide(self, agent: int, message: Message) -> Reply:
+        """Returns what an agent does after a message."""
         del agent  # what it may know of itself stands in the message
         if len(message.allowed) == 1:
             return Reply(message.allowed[0])

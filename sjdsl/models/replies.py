@@ -5,23 +5,23 @@ from typing import Any
 
 from sjdsl.models.policy import STAY, Message, NoteEdit, Reply
 from sjdsl.near_names import meant
+from sjdsl.told.reply import LONGEST_GOAL, LONGEST_WHY
 
-LONGEST_WHY = 500  # characters; what is longer is cut, as the text says
-LONGEST_GOAL = 120
+LONGEST_QUOTED = 40  # characters of an action that isn't there, in the problem
 EDITS = ("add", "replace", "delete")
 
 
 def read_reply(text: str, message: Message) -> Reply:
-    """Returns the reply that a text is; of one that can't be used, `stay` and what is wrong.
+    """Returns what a text says as a reply; if it can't be used, `stay` and the reason.
 
     A wrong note doesn't invalidate the action.
     """
     try:
         fields = json.loads(_without_fence(text))
-    except (json.JSONDecodeError, RecursionError):
-        return Reply(STAY, problem="your reply was no JSON object")
+    except (ValueError, RecursionError):  # not JSON, a number of too many digits, or too deep
+        fields = None
     if not isinstance(fields, dict):
-        return Reply(STAY, problem="your reply was no JSON object")
+        return Reply(STAY, problem="your reply was not a JSON object")
     why = _text(fields.get("why"))[:LONGEST_WHY]
     goal = _text(fields.get("goal"))[:LONGEST_GOAL]
     note, problem = _note(fields.get("note"))
@@ -44,7 +44,8 @@ def _wrong_action(action: Any, message: Message) -> str:
         return 'your reply had no "action" with the name of an action'
     if action in message.actions:
         return f"{action} was not allowed"
-    return f"there is no action {action!r}{meant(action, message.actions, those='')}"
+    quoted = action[:LONGEST_QUOTED]
+    return f"there is no action {quoted!r}{meant(quoted, message.actions, those='')}"
 
 
 def _text(value: Any) -> str:
@@ -56,14 +57,14 @@ def _note(value: Any) -> tuple[NoteEdit | None, str]:
     if value is None:
         return None, ""
     if not isinstance(value, dict):
-        return None, "your note was no object"
+        return None, "your note was not an object"
     if value.get("op", "none") == "none":
         return None, ""
     op = value["op"]
     number = value.get("id", 0)
     text = _text(value.get("text"))
     if op not in EDITS:
-        return None, f'your note\'s "op" was none of {", ".join(EDITS)}'
+        return None, f'your note\'s "op" was not one of {", ".join(EDITS)}'
     if op != "add" and (not isinstance(number, int) or isinstance(number, bool) or number < 1):
         return None, f'your note to {op} had no "id"'
     if op != "delete" and not text:

@@ -10,13 +10,14 @@ from sjdsl.compiler.lower.cell_appearance import COVERED, OUTSIDE
 ME = "ME"
 ARROWS = "^>v<"  # of others: the way they look, up being the way you look
 OTHERS = tuple(f"A{arrow}" for arrow in ARROWS)
+HEADING_UNSEEN = "A?"  # another whose heading is hidden
 UNSEEN = "??"
 SIGNS = ascii_letters + digits
 
 
 def content_codes(labels: tuple[str, ...], game: ir.Game) -> dict[str, str]:
     """Returns the code of each label of the content plane, then of each sort of movers."""
-    taken = {ME, UNSEEN, "##", "..", *OTHERS}
+    taken = {ME, UNSEEN, "##", "..", *OTHERS, HEADING_UNSEEN}
     codes = {OUTSIDE: "##", COVERED: UNSEEN}
     floor = _floor(game)
     if floor in labels:
@@ -39,9 +40,7 @@ def _candidates(label: str) -> Iterator[str]:
     kind, *states = label.split()
     words = [state.partition("=")[2] for state in states]
     if words:
-        first = kind[0]
-        yield from (first + word[0] for word in words[:1])
-        yield from (first + letter for word in words for letter in word)
+        yield from (kind[0] + letter for word in words for letter in word)
     else:
         yield from (kind[0] + letter for letter in kind[1:])
     yield from _pairs(kind[0])

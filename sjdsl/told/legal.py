@@ -3,11 +3,19 @@
 from collections.abc import Sequence
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import blocks_always, body_sort, contains, kind_named
+from sjdsl.compiler.ir.queries import (
+    beginning_phases,
+    blocks_always,
+    body_sort,
+    contains,
+    kind_named,
+)
 from sjdsl.compiler.ir.sorts import AGENTS
-from sjdsl.compiler.lower.cell_appearance import OUTSIDE
+from sjdsl.compiler.lower.cell_appearance import OTHER_FACING, OUTSIDE
+from sjdsl.doc.actions import has_built_in_moves
 from sjdsl.runtime.actions import DIRECTIONS, HEADINGS, STEPS, TURNS
-from sjdsl.told.window import FIRST_OTHER, Place, Planes, Window
+from sjdsl.told.codes import UNSEEN
+from sjdsl.told.window import Place, Planes, Window
 
 
 def action_lines(window: Window, seen: Planes, allowed: Sequence[bool]) -> list[str]:
@@ -31,15 +39,6 @@ def action_lines(window: Window, seen: Planes, allowed: Sequence[bool]) -> list[
     return [*lines, f"Not now: {', '.join(forbidden)}"] if forbidden else lines
 
 
-def has_built_in_moves(game: ir.Game) -> bool:
-    """Returns whether agents turn and step as they choose."""
-    return any(
-        isinstance(node, ir.Move) and node.course is None
-        for turn in game.schedule
-        for node in ir.walk(turn)
-    )
-
-
 def can_turn(game: ir.Game) -> bool:
     """Returns whether agents turn as they choose."""
     return has_built_in_moves(game) and bool(set(TURNS) & set(game.agents.actions))
@@ -49,13 +48,14 @@ def looks_north(game: ir.Game) -> bool:
     """Returns whether all agents look north all the time, as they do before they are sent."""
     if can_turn(game):
         return False
-    sent = (
-        node
-        for phase in (game.start, *game.schedule)
-        for node in ir.walk(phase)
+    nodes = [node for phase in (*beginning_phases(game), *game.schedule) for node in ir.walk(phase)]
+    if any(isinstance(node, ir.Face) for node in nodes):
+        return False
+    return all(
+        node.facing in ("north", "same")
+        for node in nodes
         if isinstance(node, ir.Send | ir.Shift) and body_sort(node.who) == AGENTS
     )
-    return all(node.facing in ("north", "same") for node in sent)
 
 
 def _end_of_step(name: str, window: Window, seen: Planes) -> str | None:
@@ -76,7 +76,7 @@ def _end_of_step(name: str, window: Window, seen: Planes) -> str | None:
     content = window.content(seen, place)
     if content is None:
         return None
-    text = content if window.codes[content] != "??" else ""
+    text = content if window.codes[content] != UNSEEN else ""
     who = _who(window, seen, place)
     if _stops_always(content, window.game):
         return f"blocked, {text}"
@@ -84,7 +84,7 @@ def _end_of_step(name: str, window: Window, seen: Planes) -> str | None:
 
 
 def _who(window: Window, seen: Planes, place: Place) -> str:
-    if seen[1][place] >= FIRST_OTHER:
+    if seen[1][place] >= OTHER_FACING:
         return "an agent is there"
     mover = window.mover(seen, place)
     return "" if mover is None else f"a {mover} is there"

@@ -5,28 +5,11 @@ from dataclasses import dataclass
 
 WIDEST = 240  # characters of a sentence that takes those inside it onto its own line
 
-
 # A name of the game at the beginning of a sentence keeps its small letter.
-OPENERS = frozenset(
-    (
-        *(
-            "a",
-            "agent",
-            "all",
-            "an",
-            "at",
-            "cell",
-            "each",
-            "every",
-            "for",
-            "if",
-            "in",
-            "let",
-            "moves",
-        ),
-        *("one", "otherwise", "pairs", "the", "what", "who", "with"),
-    )
-)
+OPENERS = frozenset({
+    "a", "agent", "all", "an", "at", "cell", "each", "every", "for", "if", "in", "let", "moves",
+    "one", "otherwise", "pairs", "the", "what", "who", "whoever", "with",
+})  # fmt: skip
 CONDITIONS = ("if ", "with probability ", "otherwise")
 
 

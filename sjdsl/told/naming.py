@@ -6,8 +6,8 @@ from functools import cached_property
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import all_fields, declared_field
-from sjdsl.doc.wording import joined, number
+from sjdsl.compiler.ir.queries import all_fields
+from sjdsl.doc.wording import joined
 
 SHORTEST = 3  # letters of a variable's name that can stand for a noun, such as `zapper`
 
@@ -23,10 +23,6 @@ class Naming:
     game: ir.Game
     values: Mapping[str, Any]
     terms: frozenset[str] = field(default=frozenset())
-
-    @cached_property
-    def shapes(self) -> dict[str, ir.Shape]:
-        return {shape.name: shape for shape in self.game.shapes}
 
     @cached_property
     def all_kinds(self) -> frozenset[str]:
@@ -58,7 +54,7 @@ class Naming:
         if member.sort.what == "cell":
             noun = self.kinds(member.kinds)
             return noun.replace("cell", "cells", 1) if plural else noun
-        return f"{member.sort.name}s" if plural else member.sort.name
+        return "agents" if plural and member.sort.what == "agent" else member.sort.name
 
     def is_plain(self, member: ir.Member) -> bool:
         """Returns whether a variable is called as what it is."""
@@ -81,21 +77,7 @@ class Naming:
             return f"{'cell' if member.sort.what == 'cell' else member.sort.name} {member.name}"
         return f"the {member.name}"
 
-    def a_cell(self, kinds: tuple[str, ...]) -> str:
-        return article(self.kinds(kinds))
-
-    def field(self, read: ir.FieldRead) -> ir.VarField:
-        """Returns the declaration of the field that is read or written."""
-        return declared_field(self.game, read)
-
-    def action(self, action: int) -> str:
-        return self.game.agents.actions[action]
-
 
 def article(noun: str) -> str:
     """Returns `a wall cell`, `an ore cell`."""
     return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"
-
-
-def shown_value(value: float | str) -> str:
-    return value if isinstance(value, str) else number(value)

@@ -3,6 +3,7 @@
 from typing import Any, Protocol
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.told.phrases import shortest
 
 
@@ -15,15 +16,10 @@ class HasGame(Protocol):
     def params(self) -> Any: ...
 
 
-def defaults(game: ir.Game) -> dict[str, Any]:
-    """Returns the default of each parameter."""
-    return {param.name: param.value for param in game.params}
-
-
 def parameters_of(env: HasGame) -> dict[str, Any]:
     """Returns the parameters of an environment as Python's numbers, words and nested tuples."""
     return {
-        param.name: _plain(getattr(env.params, param.name).tolist(), param)
+        param.name: _plain(getattr(env.params, param_attribute(param.name)).tolist(), param)
         for param in env.game.params
     }
 

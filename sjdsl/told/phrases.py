@@ -14,10 +14,10 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.fold import Analysis, Rule, UnknownValue, fold
 from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.compiler.ir.operations import CALCULATIONS, COMPARISONS
-from sjdsl.compiler.ir.queries import is_number_of_cells, num_cells
+from sjdsl.compiler.ir.queries import is_number_of_cells, num_cells, shape_named
 from sjdsl.compiler.ir.values import Evaluation
 from sjdsl.doc.wording import joined, number
-from sjdsl.told.naming import Naming, article, shown_value
+from sjdsl.told.naming import Naming, article
 
 COMPARED = {
     "<": "is less than",
@@ -97,7 +97,9 @@ class English(Analysis[Phrase]):
             value = fold(e, Evaluation(self._parameter))
         except UnknownValue:
             return None
-        return shown_value(value if isinstance(value, str | int) else shortest(value))
+        if isinstance(value, str):
+            return value
+        return number(value if isinstance(value, int) else shortest(value))
 
     def _parameter(self, e: ir.Expr) -> Any:
         if isinstance(e, ir.ParamRef):
@@ -135,7 +137,7 @@ class English(Analysis[Phrase]):
             case ir.At():
                 return self._entry(e)
             case ir.Step():
-                return _simple("the number of the step")
+                return _simple("the step number")
             case ir.Arithmetic():
                 return self._arithmetic(e)
             case ir.Case():
@@ -303,13 +305,13 @@ class English(Analysis[Phrase]):
             case ir.IsEmpty():
                 return self._about(e.container, "is empty", "is", "is not")
             case ir.Chose():
-                action = self.naming.action(e.action)
+                action = self.naming.game.agents.actions[e.action]
                 return self._about(e.agent, f"chose {action}", "chose", "did not choose")
             case ir.ChoseWith():
                 given = f" with {self.arguments(e.given)}" if e.given else ""
                 return self._about(e.agent, f"chose {e.action}{given}", "chose", "did not choose")
             case ir.StandsOn():
-                on = self.naming.a_cell(e.kinds)
+                on = article(self.naming.kinds(e.kinds))
                 return self._about(e.agent, f"stands on {on}", "stands", "does not stand")
             case ir.StandsAt():
                 on = self.naming.refer(e.cell)
@@ -404,7 +406,7 @@ class English(Analysis[Phrase]):
         restricted: whether to say where they are looked for.
         is_named: whether what follows speaks of a member by its name.
         """
-        own, under, rest = self._clauses(d)
+        own, under, rest = self._clauses(d, plural)
         clauses = [joined(own)] if own else []
         places = []
         if d.restriction is not None and restricted:
@@ -447,19 +449,19 @@ class English(Analysis[Phrase]):
     def shape(self, shape: str, anchor: ir.Member) -> str:
         """Returns `the zapper's beam`, ``the shape `disc(2)` around the soil``."""
         who = self.naming.refer(anchor)
-        if not self.naming.shapes[shape].directed:
+        if not shape_named(self.naming.game, shape).directed:
             return f"the shape `{shape}` around {who}"
         if self.naming.is_ambiguous(shape):
             return f"{who}'s shape `{shape}`"
         return f"{who}'s {shape}"
 
-    def _clauses(self, d: ir.Domain) -> tuple[list[str], list[str], list[str]]:
+    def _clauses(self, d: ir.Domain, plural: bool) -> tuple[list[str], list[str], list[str]]:
         """Returns what is said of the member, of the cell under it, and everything else."""
         own: list[str] = []
         under: list[str] = []
         rest: list[str] = []
         for test in conjuncts(d.where):
-            clause = self._relative(test, d.var)
+            clause = self._relative(test, d.var, plural)
             below = "" if d.on is None else self._relative(test, d.on)
             if clause:
                 own.append(clause)
@@ -469,13 +471,14 @@ class English(Analysis[Phrase]):
                 rest.append(fold(test, self).operand)
         return own, under, rest
 
-    def _relative(self, test: ir.Expr, member: ir.Member) -> str:
+    def _relative(self, test: ir.Expr, member: ir.Member, plural: bool = False) -> str:
         """Returns a condition as a clause behind its noun; empty if it is about another."""
+        it = "them" if plural else "it"
         match test:
             case ir.Unoccupied(cell=cell) if _is(cell, member):
-                return "with nobody on it"
+                return f"with nobody on {it}"
             case ir.Not(value=ir.Unoccupied(cell=cell)) if _is(cell, member):
-                return "with somebody on it"
+                return f"with somebody on {it}"
         phrase = fold(test, self)
         about = phrase.about
         match about:

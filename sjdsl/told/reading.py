@@ -1,15 +1,21 @@
 """How to read a window: what it covers, what is shown in it and how, and what isn't."""
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import kinds_by_glyph
+from sjdsl.compiler.ir.queries import all_fields
 from sjdsl.compiler.lower.cell_appearance import COVERED
+from sjdsl.doc.actions import has_built_in_moves
 from sjdsl.doc.wording import joined, number
-from sjdsl.told.legal import has_built_in_moves, looks_north
+from sjdsl.told.codes import HEADING_UNSEEN, UNSEEN
+from sjdsl.told.legal import looks_north
 from sjdsl.told.phrases import English
-from sjdsl.told.relevance import Relevant
+from sjdsl.told.relevance import Relevant, fields_read
 from sjdsl.told.window import Window
 
 NOBODY = "nobody"  # the label of `other.` planes where no agent is
+OTHERS_LOOK = (
+    "A^ A> Av A< are other agents: ^ looks the way you do, > to your right, v toward you, "
+    "< to your left."
+)
 MOST_CODES = 40  # of a game whose text lists them; otherwise they stand in each message alone
 
 
@@ -23,15 +29,10 @@ def reading(relevant: Relevant, window: Window, english: English) -> list[str]:
         *_views(seen, english),
         f"{_top(game, window)} ME is you. ## is outside the grid.",
     ]
-    if game.agents.number > 1 and looks_north(game):
-        lines.append("A^ are other agents.")
-    elif game.agents.number > 1:
-        lines.append(
-            "A^ A> Av A< are other agents: ^ looks the way you do, > to your right, v toward you, "
-            "< to your left."
-        )
+    if game.agents.number > 1:
+        lines += _others(window, game)
     if COVERED in window.codes and any(hidden.what == "content" for hidden in game.hidden):
-        lines.append("?? is hidden from you.")
+        lines.append(f"{UNSEEN} is hidden from you.")
     codes = window.codes
     whole = {o.kind for o in game.observables if o.what == "cell" and not o.field}
     absent = {kind.name for kind in game.kinds} - english.naming.all_kinds - whole
@@ -39,7 +40,7 @@ def reading(relevant: Relevant, window: Window, english: English) -> list[str]:
         named = [
             f"{code} {label}"
             for label, code in codes.items()
-            if code not in ("##", "??") and label.split()[0] not in absent
+            if code not in ("##", UNSEEN) and label.split()[0] not in absent
         ]
         lines.append(f"Other codes: {'; '.join(named)}.")
     else:
@@ -47,7 +48,7 @@ def reading(relevant: Relevant, window: Window, english: English) -> list[str]:
     lines += _planes(window, game)
     conditions = _conditions(game, english)
     if conditions:
-        lines.append("What is shown depends on the state so (the agent is you):")
+        lines.append('How what is shown depends on the state ("the agent" is you):')
     lines += [f"- {text}." for text in conditions]
     unseen = not_shown(relevant)
     if unseen:
@@ -67,12 +68,23 @@ def _top(game: ir.Game, window: Window) -> str:
     return f"{top}, which you are not told. Steps go by the compass."
 
 
+def _others(window: Window, game: ir.Game) -> list[str]:
+    """Returns what the codes of other agents mean."""
+    labels = window.planes[1].labels
+    lines = []
+    if "other same heading" in labels:
+        lines.append("A^ are other agents." if looks_north(game) else OTHERS_LOOK)
+    if "other" in labels:
+        lines.append(f"{HEADING_UNSEEN} is an agent whose direction you can't see.")
+    return lines
+
+
 def _views(window: ir.Window, english: English) -> list[str]:
     lines = []
     for view in window.views:
-        who = "All others see"
+        who = "Otherwise it sees"
         if view.condition is not None:
-            who = f"An agent sees, if {english.text(view.condition)},"
+            who = f"If {english.text(view.condition)}, an agent sees"
         lines.append(
             f"- {who} from {view.ahead} ahead to {view.behind} behind, and from {view.left} to the "
             f"left to {view.right} to the right; cells beyond look like ##."
@@ -102,14 +114,14 @@ def _planes(window: Window, game: ir.Game) -> list[str]:
                 labels = labels[1:]  # it is said of agents alone
             lines.append(f"- {plane.name}: {', '.join(labels)}")
     if lines:
-        head = "Below the window stand (`agent.` is your own, `other.` of others in view):"
+        head = "Below the window are (`agent.` is your own, `other.` of others in view):"
         lines.insert(0, head)
     marks = next((plane for plane in window.planes if plane.name == "marks"), None)
     if marks is not None:
         stages = joined(marks.labels)
         lines.insert(
             0,
-            f"Below the window stand the cells that the last step marked, by stage ({stages}).",
+            f"Below the window are the cells that the last step marked, by stage ({stages}).",
         )
     return lines
 
@@ -123,15 +135,12 @@ def _conditions(game: ir.Game, english: English) -> list[str]:
             value = english.text(observable.value)
             if value != name:
                 texts.append(f"{name} is {value}")
-        labels: list[str] = []
-        for label in observable.labels:
-            if label.condition is None:
-                labels.append(f"{label.name} otherwise" if labels else f"always {label.name}")
-            else:
-                labels.append(f"{label.name} if {english.text(label.condition)}")
-        is_itself = not observable.field and labels == [f"always {observable.kind}"]
-        if labels and not is_itself:
-            texts.append(f"{name} is shown as {', '.join(labels)}")
+        labels = observable.labels
+        if labels and labels[0].condition is not None:
+            looks = ", ".join(_look(label, english) for label in labels)
+            texts.append(f"{name} is shown as {looks}")
+        elif labels and labels[0].name != name:
+            texts.append(f"{name} always looks like {labels[0].name}")
         if observable.hidden_when is not None:
             texts.append(f"{name} is hidden if {english.text(observable.hidden_when)}")
         if observable.shown_when is not None:
@@ -152,6 +161,12 @@ def _conditions(game: ir.Game, english: English) -> list[str]:
     return texts
 
 
+def _look(label: ir.Label, english: English) -> str:
+    if label.condition is None:
+        return f"{label.name} otherwise"
+    return f"{label.name} if {english.text(label.condition)}"
+
+
 def _name(observable: ir.Observable) -> str:
     match observable.what:
         case "cell" | "mover":
@@ -163,7 +178,7 @@ def _name(observable: ir.Observable) -> str:
         case "world":
             owner = ""
         case "heading":
-            owner = "other"
+            return "other.heading"
     entry = "" if observable.word is None else f"[{observable.word.key}]"
     name = f"{observable.field}{entry}"
     return ".".join(filter(None, (owner, name)))
@@ -171,57 +186,15 @@ def _name(observable: ir.Observable) -> str:
 
 def not_shown(relevant: Relevant) -> list[str]:
     """Returns the fields that the rules speak of and no observation shows or tells of."""
-    game = relevant.game
     shown = set()
-    for observable in game.observables:
+    for observable in relevant.game.observables:
+        shown |= fields_read(observable)
         if observable.what != "other":
             shown.add((observable.sort.what, observable.sort.name, observable.field))
-        for node in ir.walk(observable):
-            if isinstance(node, ir.FieldRead):
-                shown |= {
-                    (node.held_by.what, name, node.name)
-                    for name in node.held_by.names or (node.held_by.name,)
-                }
     return [
-        name if what == "world" else f"{owner}.{name}"
-        for what, owner, name in sorted(relevant.fields - shown)
-        if name not in ("heading", "", "row", "col", "index")
-        and _is_declared(what, owner, name, game)
+        field.name if field.held_by.what == "world" else f"{field.held_by.name}.{field.name}"
+        for field in all_fields(relevant.game)
+        if relevant.has(field)
+        and field.name != "heading"
+        and (field.held_by.what, field.held_by.name, field.name) not in shown
     ]
-
-
-def _is_declared(what: str, owner: str, name: str, game: ir.Game) -> bool:
-    fields = [*game.fields, *game.agents.fields]
-    fields += [field for kind in game.kinds for field in kind.fields]
-    fields += [field for movers in game.movers for field in movers.fields]
-    return any((f.held_by.what, f.held_by.name, f.name) == (what, owner, name) for f in fields)
-
-
-def map_lines(game: ir.Game, window: Window) -> list[str]:
-    """Returns the map in the window's codes, if every observation shows the whole of it."""
-    if not _shows_all(game):
-        return []
-    kinds = kinds_by_glyph(game)
-    labels = window.planes[0].labels
-    codes = {}
-    for glyph, kind in kinds.items():
-        label = next((label for label in labels if label.split()[0] == kind), None)
-        if label is None:
-            return []
-        codes[glyph] = ".." if window.codes[label] == ".." else f"{kind[:2]:<2}"
-    if len(set(codes.values())) < len(set(kinds.values())):
-        return []
-    legend = ", ".join(f"{codes[glyph]} {kind}" for glyph, kind in kinds.items())
-    rows = [" ".join(codes[glyph] for glyph in row) for row in game.rows]
-    return [f"North is up; here {legend}, whatever its state.", *rows]
-
-
-def _shows_all(game: ir.Game) -> bool:
-    """Returns whether every window covers the map, and nothing of it is hidden."""
-    reach = max(len(game.rows), len(game.rows[0])) - 1
-    if any(hidden.what == "content" for hidden in game.hidden):
-        return False
-    if any(observable.what == "cell" and not observable.field for observable in game.observables):
-        return False
-    windows: tuple[ir.Window | ir.View, ...] = (game.window, *game.window.views)
-    return all(min(w.ahead, w.behind, w.left, w.right) >= reach for w in windows)

@@ -3,42 +3,41 @@
 from collections import Counter
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Any, assert_never
+from typing import Any, TypeVar, assert_never
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.free_variables import free_variables, renamed
 from sjdsl.compiler.ir.queries import (
+    all_fields,
     blocks_always,
     body_sorts,
     can_be_away,
     task_space,
 )
 from sjdsl.compiler.lower.cell_appearance import token_planes
-from sjdsl.doc.actions import COMPASS, RELATIVE
-from sjdsl.doc.wording import counted, joined, number
-from sjdsl.told.legal import can_turn, has_built_in_moves, looks_north
+from sjdsl.doc.actions import built_in_moves, has_built_in_moves, phases_asking_for
+from sjdsl.doc.wording import counted, joined, number, table_value, value_at_start
+from sjdsl.told.legal import can_turn, looks_north
 from sjdsl.told.lines import Line, bullets
-from sjdsl.told.naming import Naming, article, shown_value
-from sjdsl.told.parameters import HasGame, defaults, parameters_of
+from sjdsl.told.naming import Naming, article
+from sjdsl.told.parameters import HasGame, parameters_of
 from sjdsl.told.phrases import English
-from sjdsl.told.reading import map_lines, reading
+from sjdsl.told.reading import reading
 from sjdsl.told.relevance import FieldName, Relevant, fields_read, relevant, set_in
+from sjdsl.told.reply import REPLY
 from sjdsl.told.sentences import Speaker
 from sjdsl.told.shapes import shape_lines
 from sjdsl.told.terms import PLACEHOLDERS, explained, with_terms
 from sjdsl.told.window import Window
 
-REPLY = """\
-Before each step you get a message: your last reward, steps and notes, if there are any; what you
-see, under WHAT YOU SEE NOW; and the actions that are allowed, under YOUR ACTIONS NOW. Reply to it
-with one JSON object and nothing else:
-{"why": "at most 500 characters", "goal": "what you are after, at most 120 characters",
- "note": {"op": "none", "id": 0, "text": ""}, "action": "one of the actions"}
-- "action" is one of the names under YOUR ACTIONS NOW. A reply that can't be read, or an action that
-  isn't allowed, counts as stay. Texts that are too long are cut.
-- You remember nothing but your notes, which stay for the whole episode, and what the message says.
-  "note" changes one note: "op" is "add" (with "text"), "replace" (with "id" and "text"), "delete"
-  (with "id") or "none"."""
+Part = TypeVar("Part", bound=ir.Node)
+FEW = 2  # fields that stand in one line
+MOVES = (
+    "moves: all agents move at once; {}whoever "
+    "would step off the grid or onto a cell that it can't enter stays; two can't change places; of "
+    "several who would enter one cell one does, by lot; a cell can be entered while its agent "
+    "leaves it, not while it stays"
+)
 
 
 def told(env: HasGame | ir.Game, agent: int | None = None) -> str:
@@ -59,12 +58,10 @@ def told(env: HasGame | ir.Game, agent: int | None = None) -> str:
         raise ValueError("this environment was made without its rules: pass one of `sjdsl.make`")
     if agent is not None and not 0 <= agent < game.agents.number:
         raise ValueError(f"agents are numbered 0 to {game.agents.number - 1}; there is no {agent}")
-    values = defaults(game) if isinstance(env, ir.Game) else parameters_of(env)
-    return rules_text(game, values, agent)
-
-
-def rules_text(game: ir.Game, values: Mapping[str, Any], agent: int | None) -> str:
-    """Returns the text on a game with these parameters."""
+    if isinstance(env, ir.Game):
+        values = {param.name: param.value for param in game.params}
+    else:
+        values = parameters_of(env)
     player = _Player(game, values)
     sections = {
         "YOUR AIM": player.aim(agent),
@@ -76,7 +73,6 @@ def rules_text(game: ir.Game, values: Mapping[str, Any], agent: int | None) -> s
         "TERMS": player.terms(),
         "NUMBERS": player.tables(),
         "YOUR WINDOW": reading(player.relevant, player.window, player.english),
-        "THE MAP": map_lines(game, player.window),
         "YOUR REPLY": REPLY.splitlines(),
     }
     parts = ["\n".join([title, *lines]) for title, lines in sections.items() if lines]
@@ -107,21 +103,22 @@ class _Player:
         self.english = English(self.naming)
         self.speaker = Speaker(self.english)
 
-    def _all(self, *classes: type[ir.Node]) -> list[ir.Node]:
+    def _all(self, *classes: type[Part]) -> list[Part]:
         nodes = (node for part in self.parts for node in ir.walk(part))
         return [node for node in nodes if isinstance(node, classes)]
 
     @property
     def laned(self) -> frozenset[str]:
         """The shapes of whose lanes these rules take the first that fits."""
-        domains = [node.domain for node in self._all(ir.First)]  # type: ignore[attr-defined]
-        domains += [node.right for node in self._all(ir.Match) if node.first]  # type: ignore[attr-defined]
-        return frozenset(domain.restriction.shape for domain in domains)
+        domains = [node.domain for node in self._all(ir.First)]
+        domains += [node.right for node in self._all(ir.Match) if node.first]
+        return frozenset(d.restriction.shape for d in domains if isinstance(d.restriction, ir.Near))
 
     @property
     def shapes(self) -> tuple[ir.Shape, ...]:
         """The shapes that these rules speak of."""
-        names = {node.shape for node in self._all(ir.Near, ir.Mark)}  # type: ignore[attr-defined]
+        names = {node.shape for node in self._all(ir.Near)}
+        names |= {node.shape for node in self._all(ir.Mark)}
         return tuple(shape for shape in self.game.shapes if shape.name in names)
 
     def aim(self, agent: int | None) -> list[str]:
@@ -177,13 +174,13 @@ class _Player:
         heading = ", a heading (north, east, south or west)"
         if looks_north(self.game):
             heading = ""
-        edge = "The edges of the grid are joined: who leaves it on one side comes in on the other."
+        edge = "The edges of the grid are joined: whoever leaves it on one side comes back on the other."
         if not self.game.wraps:
             edge = "Nobody can leave the grid."
         lines = [
             f"The grid has {rows} and {columns}. {edge} "
             f"At most one {self.naming.somebody} stands on a cell.",
-            "Kinds of cell (all can be entered, unless it says so):",
+            "Kinds of cell (all can be entered unless it says otherwise):",
         ]
         for kind in self.game.kinds:
             if kind.name in self.naming.all_kinds:
@@ -196,7 +193,7 @@ class _Player:
         )
         for movers in self.game.movers:
             lines += listed(
-                f"Movers: {movers.number} {movers.name}, who stand on cells as agents do and move as "
+                f"Movers: {movers.number} of the sort {movers.name}, which stand on cells as agents do and move as "
                 "the rules say",
                 self._fields(movers.fields),
                 "; each has",
@@ -211,7 +208,9 @@ class _Player:
         for block in kind.blocks:
             parts += self._block(block)
         head = f"- {kind.name}: {'; '.join(parts)}" if parts else f"- {kind.name}"
-        return listed(head, self._fields(kind.fields, kind), "; has" if parts else ": has", "  ")
+        return listed(
+            head, self._fields(kind.fields, kind), "; it has" if parts else ", which has", "  "
+        )
 
     def _block(self, block: ir.Block) -> list[str]:
         sorts = {sort.name: sort.name for sort in self.game.movers} | {"agents": "agent"}
@@ -244,12 +243,12 @@ class _Player:
         if (field.held_by.what, field.held_by.name, field.name) in self.set_first:
             return ""
         if kind is None:
-            return f"; {_start(field.start, field)} at first"
+            return f"; {value_at_start(field.start, field, str)} at first"
         cells: Counter[str] = Counter()
         for meaning in self.game.glyphs:
             if meaning.kind == kind.name:
                 start = dict(meaning.starts).get(field.name, field.start)
-                cells[_start(start, field)] += sum(
+                cells[value_at_start(start, field, str)] += sum(
                     row.count(meaning.glyph) for row in self.game.rows
                 )
         cells = +cells  # without those that no cell has
@@ -286,14 +285,8 @@ class _Player:
         return lines
 
     def _meaning(self, name: str, action: int | str) -> str:
-        meanings = []
-        if name in RELATIVE and has_built_in_moves(self.game):
-            meanings.append((RELATIVE if self.game.agents.relative else COMPASS)[name])
-        stages = [
-            turn.label
-            for turn in self.game.schedule
-            if isinstance(turn, ir.Phase) and _asks_for(action, turn)
-        ]
+        meanings = built_in_moves(name, self.game)
+        stages = [phase.label for phase in phases_asking_for(action, self.game)]
         if stages:
             meanings.append(f"see the stage{'s' if len(stages) > 1 else ''} {joined(stages)}")
         return "; ".join(meanings) or "nothing"
@@ -362,16 +355,12 @@ class _Player:
         return stages
 
     def _tick(self) -> tuple[Line, ...]:
-        agents = [f for f in self.game.agents.fields if f.timer and self.relevant.has(f)]
-        others = [f for sort in self.game.movers for f in sort.fields]
-        others += [f for kind in self.game.kinds for f in kind.fields]
-        others += self.game.fields
-        timers = agents + [f for f in others if f.timer and self.relevant.has(f)]
+        timers = [f for f in all_fields(self.game) if f.timer and self.relevant.has(f)]
         lines = []
         if timers:
             names = joined(dict.fromkeys(timer.name for timer in timers))
             lines.append(Line(f"the timers ({names}) that are above 0 fall by 1"))
-        if any(node.after is not None for node in self._all(ir.Send)):  # type: ignore[attr-defined]
+        if any(node.after is not None for node in self._all(ir.Send)):
             lines.append(
                 Line(f"each {self.naming.somebody} that is away is one step nearer to its return")
             )
@@ -391,11 +380,11 @@ class _Player:
             )
         if any(can_be_away(self.game, sort) for sort in body_sorts(self.game)):
             notes.append(
-                "who is away stands nowhere, sees nothing and does nothing; its fields stay, and "
+                "whoever is away stands nowhere, sees nothing and does nothing; its fields stay, and "
                 "it can still get rewards"
             )
         added = self._all(ir.Add)
-        if any(node.target.type.kind != "agents" for node in added):  # type: ignore[attr-defined]
+        if any(node.target.type.kind != "agents" for node in added):
             notes.append(
                 "what is added to a number in one stage is summed first, then kept within its limits"
             )
@@ -424,13 +413,9 @@ class _Player:
 
     def tables(self) -> list[str]:
         """Returns the tables that the rules read."""
-        names = {
-            node.name  # type: ignore[attr-defined]
-            for node in self._all(ir.ParamRef)
-            if node.type.indexed_by  # type: ignore[attr-defined]
-        }
+        names = {node.name for node in self._all(ir.ParamRef) if node.type.indexed_by}
         return [
-            f"- {param.name}: {_table(self.naming.values[param.name], param.type.indexed_by)}"
+            f"- {param.name}: {table_value(self.naming.values[param.name], param.type.indexed_by, str)}"
             for param in self.game.params
             if param.name in names
         ]
@@ -439,19 +424,10 @@ class _Player:
 def listed(head: str, fields: list[str], link: str, margin: str = "") -> list[str]:
     """Returns a sentence on fields: in one line if they are few, else below each other."""
     if not fields:
-        return [f"{head}." if link == ", and" or link == "; each has" else head]
+        return [head if head.startswith("- ") else f"{head}."]
     if len(fields) <= FEW:
         return [f"{head}{link} {joined(fields)}"]
     return [f"{head}{link}:", *(f"{margin}- {field}" for field in fields)]
-
-
-FEW = 2  # fields that stand in one line
-MOVES = (
-    "moves: all agents move at once; {}who "
-    "would step off the grid or onto a cell that it can't enter stays; two can't change places; of "
-    "several who would enter one cell one does, by lot; a cell can be entered while its agent "
-    "leaves it, not while it stays"
-)
 
 
 def _declared(action: ir.ActionWithArguments) -> str:
@@ -481,11 +457,6 @@ def _argument_names(forbid: ir.Forbid, names: list[str]) -> list[str]:
     return texts
 
 
-def _asks_for(action: int | str, phase: ir.Phase) -> bool:
-    nodes = ir.walk(phase)
-    return any(isinstance(n, ir.Chose | ir.ChoseWith) and n.action == action for n in nodes)
-
-
 def _values(type_: ir.Type) -> str:
     """Returns what the values of a field are."""
     match type_.kind:
@@ -507,12 +478,6 @@ def _values(type_: ir.Type) -> str:
             assert_never(type_.kind)
 
 
-def _start(start: int | float | str | None, field: ir.VarField) -> str:
-    if start is None:
-        return {"agents": "empty", "cell": "nowhere"}.get(field.type.kind, "nobody")
-    return shown_value(start)
-
-
 def _entries(level: ir.Level) -> str:
     match level.kind:
         case "agent":
@@ -521,13 +486,3 @@ def _entries(level: ir.Level) -> str:
             return f"number from {level.names[0]} to {level.names[-1]}"
         case "word":
             return f"of {joined(level.names)}"
-
-
-def _table(value: Any, by: tuple[ir.Level, ...]) -> str:
-    """Returns a table: `raw: 3, cut: 1`."""
-    if not by:
-        return shown_value(value)
-    entries = [_table(entry, by[1:]) for entry in value]
-    if len(by) > 1:
-        entries = [f"({entry})" for entry in entries]
-    return ", ".join(f"{key}: {entry}" for key, entry in zip(by[0].keys, entries, strict=True))

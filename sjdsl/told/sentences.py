@@ -6,7 +6,7 @@ from typing import assert_never
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.fold import fold
 from sjdsl.compiler.ir.free_variables import free_variables
-from sjdsl.compiler.ir.queries import written_field
+from sjdsl.compiler.ir.queries import declared_field, shape_named, written_field
 from sjdsl.doc.wording import counted, joined, number
 from sjdsl.runtime.actions import HEADINGS
 from sjdsl.told.legal import can_turn
@@ -141,26 +141,27 @@ class Speaker:
         near = self._near(s.domain)
         noun = self.english.members(s.domain, restricted=False)
         shape = self.english.shape(near.shape, near.anchor)
-        if len(self.naming.shapes[near.shape].lanes) > 1:
+        if len(shape_named(self.naming.game, near.shape).lanes) > 1:
             shape = f"each lane of {shape}"
         return Line(f"in {shape}, the first {noun}", self._body(s.body))
 
     def _match(self, s: ir.Match) -> Line:
         of_left, of_both = _split_by(s.right, s.left.var)
-        left_domain = _narrowed(s.left, of_left)
+        of_left = [*conjuncts(s.left.where), *of_left]
+        left_domain = s.left.model_copy(update={"where": _all_of(of_left)})
         right_domain = s.right.model_copy(update={"where": _all_of(of_both)})
         left = article(self.english.members(left_domain))
         if s.first:
             near = self._near(s.right)
             noun = self.english.members(right_domain, restricted=False)
             shape = self.english.shape(near.shape, near.anchor)
-            if len(self.naming.shapes[near.shape].lanes) > 1:
+            if len(shape_named(self.naming.game, near.shape).lanes) > 1:
                 shape = f"a lane of {shape}"
             right = f", in {shape}, the first {noun}"
         else:
             right = f" {article(self.english.members(right_domain))}"
         head = (
-            "pairs are made in random order, nobody and nothing being in two. "
+            "pairs are made in random order, with nobody and nothing in more than one. "
             f"A pair is {left} and{right}. For each pair"
         )
         return Line(head, self._body(s.body))
@@ -220,7 +221,7 @@ class Speaker:
         return Line(f"{target} rises by {value}{self._limits(s)}")
 
     def _limits(self, s: ir.Add) -> str:
-        field = self.naming.field(written_field(s.target))
+        field = declared_field(self.naming.game, written_field(s.target))
         if not field.capped:
             return ""
         if isinstance(s.value, ir.Number):
@@ -335,10 +336,6 @@ def _split_by(d: ir.Domain, member: ir.Member) -> tuple[list[ir.Expr], list[ir.E
         names = {variable.name for variable in free_variables(test)}
         (alone if names == {member.name} else others).append(test)
     return alone, others
-
-
-def _narrowed(d: ir.Domain, tests: list[ir.Expr]) -> ir.Domain:
-    return d.model_copy(update={"where": _all_of([*conjuncts(d.where), *tests])})
 
 
 def _all_of(tests: list[ir.Expr]) -> ir.Expr | None:

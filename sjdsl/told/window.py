@@ -7,13 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.lower.cell_appearance import OTHER_FACING
 from sjdsl.runtime.planes import TokenPlane
-from sjdsl.told.codes import ME, OTHERS, content_codes
+from sjdsl.told.codes import HEADING_UNSEEN, ME, OTHERS, UNSEEN, content_codes
 
 Planes = NDArray[np.uint8]
 Place = tuple[int, int]  # row and column in the window
 SELF = 1  # in the plane `agent`
-FIRST_OTHER = 2
 FACING = ("as you do", "to your right", "toward you", "to your left")
 
 
@@ -48,7 +48,7 @@ class Window:
         lines = self._grid(seen)
         lines.append(f"Legend: {'; '.join(self._legend(seen))}.")
         content = self.content(seen, me)
-        if content is not None and self.codes[content] != "??":
+        if content is not None and self.codes[content] != UNSEEN:
             lines.append(f"You stand on: {content}.")
         lines += self._uniform(seen)
         lines += self._others(seen)
@@ -114,12 +114,16 @@ class Window:
         who = int(seen[1][place])
         if who == SELF:
             return ME
-        if who >= FIRST_OTHER:
-            return OTHERS[who - FIRST_OTHER]
+        if who >= OTHER_FACING:
+            return HEADING_UNSEEN if self._hides_heading(who) else OTHERS[who - OTHER_FACING]
         mover = self.mover(seen, place)
         content = self.content(seen, place)
         assert content is not None
         return self.codes[content if mover is None else mover]
+
+    def _hides_heading(self, who: int) -> bool:
+        """Returns whether a value of the plane of agents is another whose heading is hidden."""
+        return self.planes[1].labels[who] == "other"
 
     def _legend(self, seen: Planes) -> list[str]:
         """Returns the codes that are in the window, in the order of the game's labels."""
@@ -127,6 +131,8 @@ class Window:
         legend = [f"{code} {label}" for label, code in self.codes.items() if code in shown]
         if shown & set(OTHERS):
             legend.append("A^ A> Av A< other agents")
+        if HEADING_UNSEEN in shown:
+            legend.append(f"{HEADING_UNSEEN} an agent whose direction you can't see")
         return legend
 
     def _uniform(self, seen: Planes) -> list[str]:
@@ -142,17 +148,14 @@ class Window:
 
     def _others(self, seen: Planes) -> list[str]:
         lines = []
-        for place in _places(seen[1] >= FIRST_OTHER):
-            facing = FACING[int(seen[1][place]) - FIRST_OTHER]
-            parts = [f"looks {facing}"]
+        for place in _places(seen[1] >= OTHER_FACING):
+            who = int(seen[1][place])
+            parts = [] if self._hides_heading(who) else [f"looks {FACING[who - OTHER_FACING]}"]
             content = self.content(seen, place)
-            if content is not None and self.codes[content] != "??":
+            if content is not None and self.codes[content] != UNSEEN:
                 parts.append(f"on {content}")
-            for number, plane in enumerate(self.planes):
-                if plane.name.startswith("other."):
-                    value = _value(plane, int(seen[number][place]))
-                    parts.append(f"{plane.name.removeprefix('other.')} = {value}")
-            lines.append(f"Agent at {self._place(place)}: {'; '.join(parts)}.")
+            parts += self._fields("other.", seen, place)
+            lines.append(self._said("Agent", place, parts))
         return lines
 
     def _movers(self, seen: Planes) -> list[str]:
@@ -160,14 +163,20 @@ class Window:
         for place in np.ndindex(seen.shape[1:]):
             name = self.mover(seen, place)
             if name is not None:
-                parts = []
-                for number, plane in enumerate(self.planes):
-                    if plane.name.startswith(f"{name}."):
-                        value = _value(plane, int(seen[number][place]))
-                        parts.append(f"{plane.name.removeprefix(f'{name}.')} = {value}")
-                text = f": {'; '.join(parts)}" if parts else ""
-                lines.append(f"{name} at {self._place(place)}{text}.")
+                lines.append(self._said(name, place, self._fields(f"{name}.", seen, place)))
         return lines
+
+    def _fields(self, prefix: str, seen: Planes, place: Place) -> list[str]:
+        """Returns the values of the planes whose names begin so, at a cell."""
+        return [
+            f"{plane.name.removeprefix(prefix)} = {_value(plane, int(seen[number][place]))}"
+            for number, plane in enumerate(self.planes)
+            if plane.name.startswith(prefix)
+        ]
+
+    def _said(self, who: str, place: Place, parts: list[str]) -> str:
+        text = f": {'; '.join(parts)}" if parts else ""
+        return f"{who} at {self._place(place)}{text}."
 
     def _marks(self, seen: Planes) -> list[str]:
         if "marks" not in self._numbers:

@@ -26,9 +26,11 @@ def test_a_fence_around_it_is_no_harm() -> None:
 @pytest.mark.parametrize(
     ("text", "problem"),
     [
-        ("I go forward", "your reply was no JSON object"),
-        ('["forward"]', "your reply was no JSON object"),
-        ("[" * 100_000, "your reply was no JSON object"),
+        ("I go forward", "your reply was not a JSON object"),
+        ('["forward"]', "your reply was not a JSON object"),
+        ("[" * 100_000, "your reply was not a JSON object"),
+        ("1" * 5000, "your reply was not a JSON object"),
+        (f'{{"action": "{"z" * 5000}"}}', f"there is no action '{'z' * 40}'"),
         ('{"action": 1}', 'your reply had no "action" with the name of an action'),
         ('{"action": "zap"}', "zap was not allowed"),
         ('{"action": "forwards"}', "there is no action 'forwards'; did you mean `forward`?"),
@@ -42,11 +44,11 @@ def test_what_cannot_be_used_is_stay(text: str, problem: str) -> None:
 @pytest.mark.parametrize(
     ("note", "problem"),
     [
-        ({"op": "append"}, 'your note\'s "op" was none of add, replace, delete'),
+        ({"op": "append"}, 'your note\'s "op" was not one of add, replace, delete'),
         ({"op": "delete", "id": True}, 'your note to delete had no "id"'),
         ({"op": "add", "text": 3}, 'your note to add had no "text"'),
         ({"op": "none"}, ""),
-        ("a note", "your note was no object"),
+        ("a note", "your note was not an object"),
         (None, ""),
     ],
 )

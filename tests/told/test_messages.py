@@ -1,6 +1,7 @@
 """Messages: what is in a window, what actions lead to, and that nothing hidden is told."""
 
 import random
+import re
 from collections.abc import Callable, Iterator
 
 import numpy as np
@@ -12,7 +13,7 @@ from sjdsl.interpreter.observe import observe
 from sjdsl.interpreter.state import World, copied
 from sjdsl.interpreter.step import action_mask, reset, step
 from sjdsl.interpreter.threefry import Threefry
-from sjdsl.told import Past, Window, message
+from sjdsl.told import Past, Window, message, told
 from sjdsl.told.legal import action_lines
 from sjdsl.told.relevance import relevant
 
@@ -105,12 +106,12 @@ PLAYED = ["clean_up", "clean_up+socialjax", "reputation", "ferry", "two_trees", 
 def test_what_is_left_out_changes_nothing(name: str) -> None:
     """The rules that are told give the same observations, rewards and masks as all rules."""
     told_rules = relevant(game(name)).game
-    for (full, _, gains), (told, _, told_gains) in zip(
+    for (full, _, gains), (pruned, _, pruned_gains) in zip(
         episode(game(name), 12), episode(told_rules, 12), strict=True
     ):
-        np.testing.assert_array_equal(observe(game(name), full), observe(told_rules, told))
-        assert gains == told_gains
-        assert action_mask(game(name), full) == action_mask(told_rules, told)
+        np.testing.assert_array_equal(observe(game(name), full), observe(told_rules, pruned))
+        assert gains == pruned_gains
+        assert action_mask(game(name), full) == action_mask(told_rules, pruned)
 
 
 @pytest.mark.parametrize("name", ["clean_up", "territory", "ferry", "collaborative_cooking"])
@@ -187,3 +188,23 @@ def test_who_is_away_sees_nothing() -> None:
 def test_a_message_is_as_it_was(golden) -> None:
     texts = messages(game("two_trees"), 2), messages(game("territory"), 1)
     golden(GOLDEN / "messages.txt", "\n=====\n".join(texts))
+
+
+@pytest.mark.parametrize("name", ["headings", "starting"])
+def test_a_hidden_heading_is_not_told(name: str) -> None:
+    """Others are `A?` where their plane says `other`, and nothing is said of how they look."""
+    g = game(name)
+    window = Window(g, token_planes(g))
+    hidden = 0
+    for world, _, _ in episode(g, 8):
+        for seen in observe(g, world):
+            labels = [window.planes[1].labels[who] for who in seen[1].flat]
+            text = window.text(seen)
+            hidden += labels.count("other")
+            shown = sum(label.startswith("other ") for label in labels)
+            assert text.count("looks ") == shown
+            assert len(re.findall(r"A\?(?! an agent)", text)) == labels.count("other")
+            assert ("A? an agent whose direction you can't see" in text) == ("other" in labels)
+    assert hidden > 0
+    assert "A? is an agent whose direction you can't see." in told(g)
+    assert ("A^ A> Av A<" in told(g)) == (name == "headings")

@@ -48,14 +48,14 @@ SENTENCES = {
         "1 (to at most 9)."
     ),
     "pick 2 tree where nobody on tree { set tree.fruit = old }": (
-        "For each of 2 different tree cells with nobody on it, drawn at random (all, if there are "
+        "For each of 2 different tree cells with nobody on them, drawn at random (all, if there are "
         "fewer): the tree's fruit is set to old."
     ),
     "each agent as a { each agent as b where b is not a { add b to a.friends } }": (
         "Each agent a: each agent b that is not agent a: agent b joins agent a's friends."
     ),
     "when step >= 4 and count(tree where tree.fruit is ripe) == 0 { end }": (
-        "If the number of the step is at least 4 and there is no tree cell whose fruit is "
+        "If the step number is at least 4 and there is no tree cell whose fruit is "
         "ripe, the episode ends after this step."
     ),
     "each agent { when agent.bag > 3 { add -1 to agent.bag  give 1 to agent } }": (
@@ -68,13 +68,17 @@ SENTENCES = {
     ),
     "match agent as a with first agent as b in beam of a where a chose zap and b.bag > 0 { "
     "add -1 to b.bag }": (
-        "Pairs are made in random order, nobody and nothing being in two. A pair is an agent a that "
+        "Pairs are made in random order, with nobody and nothing in more than one. A pair is an agent a that "
         "chose zap and, in agent a's beam, the first agent b whose bag is more than 0. For each "
         "pair: agent b's bag falls by 1 (to at least 0)."
     ),
     "move each deer toward agent": (
         "At the same time, each deer steps to one of the free cells beside it that are nearer to "
         "the nearest of the agents, drawn at random; it stays if there is none."
+    ),
+    "each agent where agent.bag > count(deer where deer.row > 0) { give 1 to agent }": (
+        "Each agent whose bag is more than (the number of deer whose row is more than 0): the agent "
+        "gets a reward of 1."
     ),
     "each agent { tally counted for agent  give 2 * cost to agent }": (
         "Each agent: the agent gets a reward of -1."

@@ -3,11 +3,13 @@
 import re
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 import sjdsl
-from sjdsl.compiler import ir
+from sjdsl.compiler import build, ir
+from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.ir.queries import all_fields
 from sjdsl.compiler.lower import token_planes
 from sjdsl.told import told
@@ -18,6 +20,19 @@ from sjdsl.told.sentences import Speaker
 
 from .corpus import CASES, FILES, GOLDEN, game, variants
 
+TURNED = """sj 1
+game one "One" {
+  episode 100
+  kind grass "."
+  map { "...." "...." }
+  agents 4 { acts stay, forward  moves compass }
+  phase start { each agent { send agent to grass facing north } }
+  SCHEDULE
+  phase walk { move each agent }
+  RULE
+  observe { window ahead 2, behind 1, left 1, right 1 }
+}
+"""
 # Fields that only metrics or policies read, or no rule of that variant.
 UNTOLD = {
     *("clean_up+socialjax clean_at_first", "gift_refinement+socialjax refined"),
@@ -180,6 +195,24 @@ def test_headings_and_turns_are_told_where_agents_turn() -> None:
     assert "A>" not in foraging
 
 
+@pytest.mark.parametrize("phase", ["phase rule { %s }", "phase rule at start { %s }"])
+def test_who_is_turned_by_a_rule_does_not_always_look_north(phase: str) -> None:
+    rule = phase % "each agent { set agent.heading = east }"
+    schedule = "" if "at start" in phase else " -> rule"
+    text = TURNED.replace("RULE", rule).replace("SCHEDULE", f"schedule walk{schedule}")
+    assert "always look north" not in told(build(Source("one.sj", text)).game)
+    plain = TURNED.replace("RULE", "").replace("SCHEDULE", "schedule walk")
+    assert "You always look north" in told(build(Source("one.sj", plain)).game)
+
+
+def test_a_parameter_may_be_called_as_a_word_of_python(tmp_path: Path) -> None:
+    text = TURNED.replace("RULE", "phase pay { each agent { give lambda to agent } }")
+    path = tmp_path / "one.sj"
+    path.write_text(text.replace("SCHEDULE", "param lambda : reward = 1\nschedule walk -> pay"))
+    env = sjdsl.make(str(path), params={"lambda": 2.5})
+    assert "the agent gets a reward of 2.5" in told(env)
+
+
 def test_what_a_field_is_at_first_is_told_unless_the_beginning_sets_it() -> None:
     water = "state (clean or dirty; at first clean on 68 cells and dirty on 79 cells)"
     rows = game("clean_up").rows
@@ -203,6 +236,7 @@ def test_values_below_the_window_are_those_that_a_player_can_see() -> None:
     reputation = told(game("reputation"))
     assert "- other.health: well, ill, hidden\n" in reputation
     assert "is at most 2; else it is hidden." in reputation
+    assert "- gate always looks like floor.\n" in told(game("chicken_in_the_matrix"))
 
 
 def test_what_stays_from_trial_to_trial_is_told() -> None:
