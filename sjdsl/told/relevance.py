@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import assert_never
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import written_field, written_keys
+from sjdsl.compiler.ir.queries import beginning_phases, written_field, written_keys
 from sjdsl.compiler.lower.cell_appearance import seen_marks
 
 FieldName = tuple[str, str, str]  # what holds it, the name of that, its own name
@@ -39,7 +39,7 @@ def relevant(game: ir.Game) -> Relevant:
     pruned = _pruned_game(game, read, marking)
     while True:
         found = set(read)
-        for phase in (pruned.start, *pruned.schedule):
+        for phase in (*beginning_phases(pruned), *pruned.schedule):
             found |= fields_read(phase)
         if found == read:
             return Relevant(pruned, frozenset(read))
@@ -54,7 +54,8 @@ def _pruned_game(game: ir.Game, read: set[FieldName], marking: set[str]) -> ir.G
             turn = _pruned_phase(turn, read, marking)
         turns.append(turn)
     start = _pruned_phase(game.start, read, marking)
-    return game.model_copy(update={"start": start, "schedule": tuple(turns)})
+    starting = tuple(_pruned_phase(phase, read, marking) for phase in game.starting)
+    return game.model_copy(update={"start": start, "starting": starting, "schedule": tuple(turns)})
 
 
 def _pruned_phase(phase: ir.Phase, read: set[FieldName], marking: set[str]) -> ir.Phase:

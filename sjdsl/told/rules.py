@@ -9,6 +9,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.free_variables import free_variables, renamed
 from sjdsl.compiler.ir.queries import (
     all_fields,
+    beginning_phases,
     blocks_always,
     body_sorts,
     can_be_away,
@@ -90,7 +91,7 @@ class _Player:
         blocks = [block for kind in game.kinds for block in kind.blocks]
         self.parts: tuple[ir.Node, ...] = (
             *task,
-            self.game.start,
+            *beginning_phases(self.game),
             *self.game.schedule,
             *self.game.agents.forbids,
             *self.game.agents.blocks,
@@ -325,7 +326,11 @@ class _Player:
             ]
             start = f"{'In each trial' if self.game.trials else 'Then'}:"
             lines.append(start)
-        return [*lines, *bullets(self.speaker.block(self.game.start.body))]
+        for phase in beginning_phases(self.game):
+            if phase.body and phase is not self.game.start:
+                lines.append(f"After that ({phase.label}):")
+            lines += bullets(self.speaker.block(phase.body))
+        return lines
 
     def step(self) -> list[str]:
         lines = [

@@ -246,3 +246,9 @@ def test_what_stays_from_trial_to_trial_is_told() -> None:
     assert "stay until it ends:\n- pay_order: for each of" in text
     assert "all equally likely.\nIn each trial:\n- Each agent" in text
     assert "speed_order.\n\nYOUR REPLY" in text.partition("You are not shown")[2]
+
+
+def test_phases_at_the_start_are_told_in_order() -> None:
+    begun = told(game("starting")).split("HOW A TRIAL BEGINS")[1].split("WHAT HAPPENS")[0]
+    stages = re.findall(r"^After that \((\w+)\):$", begun, re.MULTILINE)
+    assert stages == ["settle", "claim", "scatter", "stroll"]
