@@ -1,7 +1,9 @@
 """Splits of tasks: which tasks each side plays, in the compiled game and in the interpreter alike."""
 
 from collections import Counter
+from collections.abc import Iterator
 from fractions import Fraction
+from itertools import permutations
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +14,7 @@ import pytest
 
 from sjdsl.compiler import build, ir
 from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.ir import task_rows
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.ir.queries import task_space
 from sjdsl.compiler.ir.task_rows import rows_of_hold_out, rows_of_training, tasks_with
@@ -156,6 +159,10 @@ def test_tasks_of_a_small_space_are_held_out_too() -> None:
     assert training.isdisjoint(others)
 
 
+def test_a_table_names_its_columns_as_they_are_written() -> None:
+    assert "rows of pay[red], order[blue]" in together.module_text(side("rich"))
+
+
 def test_what_is_given_is_not_drawn() -> None:
     tasks = drawn(side("given"), 60)
     for feeding, _, pay_green, pay_blue, order_red, _, _, _ in tasks:
@@ -190,6 +197,31 @@ def test_entries_that_are_given_swap_with_those_that_have_the_values() -> None:
     row = jnp.asarray([4, 2, 0, 3], jnp.uint8)
     assert with_entries(row, jnp.asarray([2, 1]), (0, 3), different=True).tolist() == [2, 4, 0, 1]
     assert with_entries(row, jnp.asarray([2, 1]), (0, 3)).tolist() == [2, 2, 0, 1]
+
+
+def test_the_rows_of_a_condition_are_listed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of 6 of 8 different values there are 8! / 2! = 20,160 rows; that some are held out shows at
+    the first that is."""
+    listed = Counter[str]()
+    all_rows = task_rows._all_rows
+
+    def counted(*arguments: Any) -> Iterator[task_rows.Row]:
+        for row in all_rows(*arguments):
+            listed["rows"] += 1
+            yield row
+
+    monkeypatch.setattr(task_rows, "_all_rows", counted)
+    task = "field hue by { a, b, c, d, e, f, g, h } : different 0 .. 7  "
+    condition = "hue[a] + hue[b] + hue[c] + hue[d] + hue[e] + hue[f] > 20"
+    text = SMALL.replace("field hue", f"{task}field shade")
+    text = text.replace("train on 4", f"hold out dark of rules where {condition}\n  train on 4")
+    game = build(Source("small.sj", text.replace("hue is red", "shade is red"))).game
+    assert game.task is not None
+    dark = sum(sum(row) > 20 for row in permutations(range(8), 6))
+    assert tasks_with(rows_of_training(game.task), game.task) == (20160 - dark) * 2 * 3 * 2
+    listed.clear()
+    build(Source("small.sj", text.replace("hue is red", "shade is red")))
+    assert 20160 < listed["rows"] < 2 * 20160
 
 
 @pytest.mark.parametrize(

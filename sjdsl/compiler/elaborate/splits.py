@@ -13,10 +13,10 @@ from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.elaborate.scope import Scope
 from sjdsl.compiler.ir.fold import VALUES
 from sjdsl.compiler.ir.task_rows import (
+    holds_out_any,
     number_of_ways,
     part_name,
     parts_read,
-    rows_of_hold_out,
     rows_of_training,
     tasks_with,
 )
@@ -49,9 +49,13 @@ def with_splits(task: ir.Task, game: Composition, scope: Scope) -> ir.Task:
         return task
     task = task.model_copy(update={"hold_outs": tuple(hold_outs)})
     with scope.problems.skip_if_broken():
-        _check_sides(task, scope)
+        _check_conditions(task, scope)
+        training = rows_of_training(task)
+        if not training.rows:
+            raise scope.fail(errors.NothingToTrainOn(task.hold_outs[-1].span))
         if game.train_on is not None:
-            task = task.model_copy(update={"train_on": _train_on(game.train_on, task, scope)})
+            train_on = _train_on(game.train_on, tasks_with(training, task), scope)
+            task = task.model_copy(update={"train_on": train_on})
     return task
 
 
@@ -76,10 +80,8 @@ def _hold_out(split: ast.HoldOut, task: ir.Task, scope: Scope) -> ir.HoldOut:
     return ir.HoldOut(name=name, condition=condition, origin=split.span)
 
 
-def _check_sides(task: ir.Task, scope: Scope) -> None:
-    """Reports a side without a task, and conditions that read too much to list the cases."""
-    if not task.hold_outs:
-        return
+def _check_conditions(task: ir.Task, scope: Scope) -> None:
+    """Reports conditions that read too much to list the cases, and one that never holds."""
     conditions = [hold_out.condition for hold_out in task.hold_outs]
     parts = parts_read(task, conditions)
     ways = number_of_ways(task, parts)
@@ -90,18 +92,16 @@ def _check_sides(task: ir.Task, scope: Scope) -> None:
         span = task.hold_outs[-1].span
         raise scope.fail(limits.too_much(problem, limits.MAX_DRAWN, span, help_))
     for hold_out in task.hold_outs:
-        if not rows_of_hold_out(task, hold_out).rows:
+        if not holds_out_any(task, hold_out):
             raise scope.fail(errors.NothingHeldOut(hold_out.span, name=hold_out.name))
-    if not rows_of_training(task).rows:
-        raise scope.fail(errors.NothingToTrainOn(task.hold_outs[-1].span))
 
 
-def _train_on(split: ast.TrainOn, task: ir.Task, scope: Scope) -> ir.TrainOn:
+def _train_on(split: ast.TrainOn, tasks: int, scope: Scope) -> ir.TrainOn:
+    """Returns what to train on, of this many tasks that no `hold out` holds out."""
     quantity = "the number of tasks to train on"
     number = scope.whole(split.number, quantity, quantity, 1, limits.MAX_DRAWN)
     quantity = "the seed of a split"
     seed = scope.whole(split.seed, quantity, quantity, 0, limits.MAX_VALUE)
-    tasks = tasks_with(rows_of_training(task), task)
     if number * LEFT > tasks * (LEFT - 1):
         most = tasks * (LEFT - 1) // LEFT
         raise scope.fail(
