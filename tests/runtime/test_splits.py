@@ -1,5 +1,7 @@
 """Splits of tasks: which tasks each side plays, in the compiled game and in the interpreter alike."""
 
+import gc
+import weakref
 from collections import Counter
 from collections.abc import Iterator
 from fractions import Fraction
@@ -19,6 +21,9 @@ from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.ir.queries import task_space
 from sjdsl.compiler.ir.task_rows import rows_of_hold_out, rows_of_training, tasks_with
 from sjdsl.compiler.syntax.read import read_source
+from sjdsl.interpreter import tasks as interpreted
+from sjdsl.interpreter.board import CACHE_SIZE
+from sjdsl.interpreter.step import task_of_key
 from sjdsl.library.factory import make
 from sjdsl.library.tasks import with_tasks
 from sjdsl.runtime.tasks import with_entries
@@ -148,6 +153,27 @@ def test_the_tasks_of_a_side_are_counted() -> None:
     assert train_on is not None
     share = Fraction(train_on.number, left)
     assert share**train_on.candidates <= Fraction(1, 2**64) < share ** (train_on.candidates - 1)
+
+
+def test_the_interpreter_lists_the_same_rows() -> None:
+    task = GAME.task
+    assert task is not None
+    parts = task_rows.all_parts(task)[:6]  # one field, a row of different values, some of another
+    rows = list(interpreted._all_rows(task, parts))
+    assert rows == list(task_rows._all_rows(task, parts))
+    assert len(rows) == len(set(rows)) == 3 * 60 * 9
+
+
+def test_the_interpreter_keeps_no_task_that_was_played_long_ago() -> None:
+    game = side("rules")
+    task_of_key(game, (17, 1))
+    assert game.task is not None
+    first = weakref.ref(game.task)
+    del game
+    for _ in range(CACHE_SIZE):
+        task_of_key(side("rules"), (17, 1))
+    gc.collect()
+    assert first() is None
 
 
 def test_tasks_of_a_small_space_are_held_out_too() -> None:
