@@ -17,7 +17,7 @@ MAX_PROBLEM = 2**32 - 1
 def with_tasks(
     game: ir.Game, tasks: Tasks | None = None, split: str | None = None, problem: int | None = None
 ) -> ir.Game:
-    """Returns a game that plays some of its tasks.
+    """Returns a game that plays some of its tasks, whichever it played before.
 
     Args:
       tasks: `training`, `held_out`, `all`, or the values of some fields by name, where an entry of
@@ -43,9 +43,9 @@ def with_tasks(
     if isinstance(tasks, Mapping):
         if split is not None:
             raise ValueError("fields of a task are fixed whichever side is played: leave out split")
-        changes: dict[str, Any] = {"given": _given(task, tasks)}
+        changes: dict[str, Any] = {"side": "all", "split": "", "given": _given(task, tasks)}
     else:
-        changes = _side(task, tasks, split)
+        changes = {**_side(task, tasks, split), "given": ()}
     chosen = game.model_copy(update={"task": task.model_copy(update=changes)})
     if problem is None:
         return chosen

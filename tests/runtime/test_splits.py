@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from sjdsl.compiler import build, ir
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.ir import task_rows
 from sjdsl.compiler.ir.hash import game_hash
@@ -24,7 +25,7 @@ from sjdsl.compiler.syntax.read import read_source
 from sjdsl.interpreter import tasks as interpreted
 from sjdsl.interpreter.board import CACHE_SIZE
 from sjdsl.interpreter.step import task_of_key
-from sjdsl.library.factory import make
+from sjdsl.library.factory import make, with_other_tasks
 from sjdsl.library.tasks import with_tasks
 from sjdsl.runtime.tasks import with_entries
 from tests.fuzz import together
@@ -45,7 +46,7 @@ SMALL = """sj 1
 game small "A task of six" {
   episode 3
   task rules { field hue : { red, green, blue }  field dear : 0 .. 1 }
-  train on 4 of rules seed 1
+  train on 3 of rules seed 1
   kind grass "."
   map { "..." }
   agents 1 { acts stay, forward  moves relative }
@@ -176,11 +177,21 @@ def test_the_interpreter_keeps_no_task_that_was_played_long_ago() -> None:
     assert first() is None
 
 
+def test_a_reset_draws_64_candidates_at_most() -> None:
+    """Half of the tasks to train on: 2^-64 = (1 / 2)^64. The six tasks allow no fourth."""
+    task = build(Source("small.sj", SMALL)).game.task
+    assert task is not None
+    assert task.train_on is not None
+    assert task.train_on.candidates == 64
+    with pytest.raises(CompileError, match="4 training tasks, out of 6, leave less than half"):
+        build(Source("small.sj", SMALL.replace("train on 3", "train on 4")))
+
+
 def test_tasks_of_a_small_space_are_held_out_too() -> None:
     game = build(Source("small.sj", SMALL)).game
     training = set(drawn(with_tasks(game), 60))
     others = set(drawn(with_tasks(game, "held_out"), 60))
-    assert len(training) <= 4
+    assert len(training) <= 3
     assert len(training | others) == 6
     assert training.isdisjoint(others)
 
@@ -207,6 +218,18 @@ def test_a_problem_is_one_task_of_its_side() -> None:
     assert tasks <= set(drawn(side("training"), 200))
     rich = with_tasks(GAME, "held_out", "rich", problem=5)
     assert all(map(is_rich, drawn(rich, 3)))
+
+
+@pytest.mark.parametrize("before", SIDES)
+def test_a_choice_of_tasks_replaces_the_one_before(before: str) -> None:
+    for name, arguments in SIDES.items():
+        assert with_tasks(side(before), **arguments).task == side(name).task, name
+    assert with_tasks(side("given"), {}).task == side("all").task
+
+
+def test_other_tasks_of_an_environment_are_not_those_given_before() -> None:
+    env = with_other_tasks(make(CASE, problem=906), "held_out", "rich")
+    assert (env.tasks, env.split) == ("held_out", "rich")
 
 
 def test_splits_change_no_draw_of_a_game_that_plays_all() -> None:
@@ -240,7 +263,7 @@ def test_the_rows_of_a_condition_are_listed_once(monkeypatch: pytest.MonkeyPatch
     task = "field hue by { a, b, c, d, e, f, g, h } : different 0 .. 7  "
     condition = "hue[a] + hue[b] + hue[c] + hue[d] + hue[e] + hue[f] > 20"
     text = SMALL.replace("field hue", f"{task}field shade")
-    text = text.replace("train on 4", f"hold out dark of rules where {condition}\n  train on 4")
+    text = text.replace("train on 3", f"hold out dark of rules where {condition}\n  train on 3")
     game = build(Source("small.sj", text.replace("hue is red", "shade is red"))).game
     assert game.task is not None
     dark = sum(sum(row) > 20 for row in permutations(range(8), 6))

@@ -4,8 +4,6 @@ train on 64 of rules seed 0   ->   TrainOn(number=64, seed=0)
 hold out light of rules where pay[red] > 7   ->   HoldOut(name="light", condition=…)
 """
 
-import math
-
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.compose import Composition
@@ -22,8 +20,9 @@ from sjdsl.compiler.ir.task_rows import (
 )
 
 WORLD = ir.Sort("world")
-LEFT = 100  # at least a hundredth of the tasks are no training tasks of `train on`
-BITS = 64  # all candidates are training tasks with a probability of 2^-64 at most
+# All candidates are training tasks with a probability of 2^-64 at most. Half of the tasks or more
+# are no training tasks of `train on`, so there are 64 candidates at most.
+BITS = 64
 
 
 def check_no_splits(game: Composition, scope: Scope) -> None:
@@ -102,10 +101,17 @@ def _train_on(split: ast.TrainOn, tasks: int, scope: Scope) -> ir.TrainOn:
     number = scope.whole(split.number, quantity, quantity, 1, limits.MAX_DRAWN)
     quantity = "the seed of a split"
     seed = scope.whole(split.seed, quantity, quantity, 0, limits.MAX_VALUE)
-    if number * LEFT > tasks * (LEFT - 1):
-        most = tasks * (LEFT - 1) // LEFT
+    if 2 * number > tasks:
         raise scope.fail(
-            errors.TooManyToTrainOn(split.number.span, number=number, tasks=tasks, most=most)
+            errors.TooManyToTrainOn(split.number.span, number=number, tasks=tasks, most=tasks // 2)
         )
-    candidates = math.ceil(BITS / (math.log2(tasks) - math.log2(number)))
+    candidates = _candidates(number, tasks)
     return ir.TrainOn(number=number, seed=seed, candidates=candidates, origin=split.span)
+
+
+def _candidates(number: int, tasks: int) -> int:
+    """Returns the smallest A with (number / tasks)^A <= 2^-64."""
+    candidates = 1
+    while number**candidates << BITS > tasks**candidates:
+        candidates += 1
+    return candidates
