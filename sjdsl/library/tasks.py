@@ -11,6 +11,7 @@ from sjdsl.near_names import meant
 
 Tasks = str | Mapping[str, Any]  # `training`, `held_out`, `all`, or values by field
 SIDES = ("training", "held_out", "all")
+ARGUMENTS = ("tasks", "split", "problem")  # of `sjdsl.make`: together they are one choice
 MAX_PROBLEM = 2**32 - 1
 
 
@@ -50,6 +51,17 @@ def with_tasks(
     if problem is None:
         return chosen
     return _with_values(chosen, task_of_key(chosen, (0, problem)))
+
+
+def replaced_tasks(arguments: Mapping[str, Any], choice: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns arguments of `sjdsl.make` with another choice of tasks, unless that is empty.
+
+    choice: those of `tasks`, `split` and `problem` that have a value; they replace all three.
+    """
+    if not choice:
+        return dict(arguments)
+    others = {name: value for name, value in arguments.items() if name not in ARGUMENTS}
+    return {**others, **choice}
 
 
 def _check_types(tasks: Any, split: Any, problem: Any) -> None:
