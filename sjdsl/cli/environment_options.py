@@ -18,7 +18,7 @@ from sjdsl.interpreter.numbers import real
 from sjdsl.library.checked_game import build_game
 from sjdsl.library.games_folder import is_name
 from sjdsl.library.parameters import param_values
-from sjdsl.library.tasks import MAX_PROBLEM, Tasks
+from sjdsl.library.tasks import MAX_PROBLEM, Tasks, replaced_tasks
 
 if TYPE_CHECKING:
     from sjdsl.compiler import ir
@@ -109,9 +109,9 @@ class EnvironmentOptions:
     def or_else(self, preset: Mapping[str, Any]) -> "EnvironmentOptions":
         """Returns these options, with a preset's in place of those that have no value.
 
-        The game's parameters are merged one by one.
+        The game's parameters are merged one by one; the tasks are replaced as one choice.
         """
-        arguments = dict(preset)
+        arguments = replaced_tasks(preset, self.of_tasks)
         arguments |= {name: value for name, value in vars(self).items() if value is not None}
         arguments["params"] = {**preset.get("params", {}), **self.params}
         return EnvironmentOptions(**arguments)

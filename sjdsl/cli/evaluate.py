@@ -24,7 +24,7 @@ from sjdsl.cli.policies import check_policy, code_option, warnings_as_notes
 from sjdsl.cli.provenance import arguments_of_run
 from sjdsl.cli.scenarios import OR_A_GAME, evaluate_in_scenarios
 from sjdsl.cli.stages import LOADING, stages
-from sjdsl.library.tasks import splits_of
+from sjdsl.library.tasks import replaced_tasks, splits_of
 from sjdsl.trainers.policies.estimates import difference, estimate
 from sjdsl.trainers.policies.stored_evaluation import RETURN, read_evaluation
 from sjdsl.trainers.runs.seeds_in_words import seeds_in_words, seeds_of_each
@@ -106,7 +106,7 @@ def command(
         path, which = split_name(run)
         arguments = arguments_of_run(path, OR_A_GAME, game, options.map)
         with stages(LOADING), without_quoting_game(path):
-            env = make_environment({**arguments, **_of_one_side(options)})
+            env = make_environment(replaced_tasks(arguments, _of_one_side(options)))
         folders = sorted(path.glob("seed_*")) or [path]
         for folder in folders:
             require_writable(folder)
@@ -293,15 +293,38 @@ def _held_out(env: "Environment", options: EnvironmentOptions) -> dict[str, "Env
     """Returns the environments of the held-out tasks to compare with, by split."""
     from sjdsl.library.factory import with_other_tasks
 
-    if _of_one_side(options) or env.tasks != "training":
-        if options.split is not None and not _of_one_side(options):
-            raise click.UsageError("--split is for a game whose task has several splits")
+    if _of_one_side(options):
+        return {}
+    if env.tasks != "training":
+        if options.split is not None:
+            raise click.UsageError(_why_nothing_is_compared(env))
         return {}
     splits = splits_of(env.game.task) if options.split is None else (options.split,)
     try:
         return {split: with_other_tasks(env, "held_out", split) for split in splits}
     except ValueError as error:
         raise click.ClickException(str(error)) from None
+
+
+def _why_nothing_is_compared(env: "Environment") -> str:
+    """Returns why --split alone says nothing in an environment of other than training tasks."""
+    task = env.game.task
+    if task is None:
+        return f"--split is for games with a task, and {env.name} has none"
+    if not splits_of(task):
+        return f"--split is for games that hold tasks out, and {env.name} holds out none"
+    match env.tasks:
+        case "all":
+            played = "all tasks"
+        case "held_out":
+            played = f"held-out tasks, {env.split}"
+        case _:
+            fields = ", ".join(f"{name}={value}" for name, value in env.tasks.items())
+            played = f"tasks with {fields}"
+    return (
+        "--split alone compares held-out tasks with training tasks, and the run is one on "
+        f"{played}: to play the tasks of the split, add --tasks held_out"
+    )
 
 
 def _compare(

@@ -42,6 +42,7 @@ from sjdsl.render.letters import Letters, board_rows, make_letters
 from sjdsl.render.moment import Moment, moment_of
 from sjdsl.render.readings import agent_readings, join_readings, world_readings
 from sjdsl.replay import Recording, save_recording
+from sjdsl.replay.recording import with_tasks_played
 from sjdsl.trace.choices import Chosen, chooser
 from sjdsl.trace.jax_random import keys_of
 from sjdsl.trace.rules import Rules
@@ -147,7 +148,7 @@ def command(
     finally:  # also after Ctrl-C
         if record is not None:
             recording = Recording(
-                environment=arguments,
+                environment=with_tasks_played(arguments, rules.task),
                 hash=game_hash(rules),
                 seed=seed,
                 actions=actions,

@@ -19,6 +19,7 @@ from sjdsl.cli.folders import require_folder_of, require_unused
 from sjdsl.cli.policies import SIDE_BY_SIDE, check_policy, choose_policy, code_option, policy_option
 from sjdsl.cli.stages import LOADING, Say, stages
 from sjdsl.replay import DatasetWriter, Header
+from sjdsl.replay.recording import with_tasks_played
 from sjdsl.trainers.settings.policy_names import UNTRAINED, split_name
 
 if TYPE_CHECKING:
@@ -76,7 +77,7 @@ def command(
         }
         header = Header(
             game=env.name,
-            environment=arguments,
+            environment=with_tasks_played(arguments, env.game.task),
             hash=env.hash,
             policy=policy,
             policy_digest=_digest(policy),

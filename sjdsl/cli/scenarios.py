@@ -10,6 +10,7 @@ from sjdsl.cli.environment_options import EnvironmentOptions
 from sjdsl.cli.experiment_options import echo_files, prepare_environment, prepare_experiment
 from sjdsl.cli.policies import warnings_as_notes
 from sjdsl.cli.provenance import arguments_of_run
+from sjdsl.library.tasks import replaced_tasks
 from sjdsl.trainers.settings.policy_names import split_name
 
 OR_A_GAME = ", or add --game GAME for a policy that isn't a run"
@@ -37,9 +38,8 @@ def evaluate_in_scenarios(
         policy_words = re.sub(r"\W+", "_", Path(policy).name).strip("_")
         folder = Path(f"{Path(game or '').stem}_{policy_words}_scenarios")
     if game is None:
-        prepared = prepare_environment(
-            folder, {**arguments_of_run(path, OR_A_GAME), **options.of_tasks}
-        )
+        arguments = replaced_tasks(arguments_of_run(path, OR_A_GAME), options.of_tasks)
+        prepared = prepare_environment(folder, arguments)
     else:
         prepared = prepare_experiment(game, (policy,), folder, options)
     stem = "scenarios" if which == "last" else f"scenarios_{which}"

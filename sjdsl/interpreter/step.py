@@ -77,7 +77,7 @@ def _with_task(board: Board, laid: World, draws: Draws, tell: Tell | None) -> Wo
         fix_parts(world, board, key)
         return world
 
-    return drawn(key_of_task(task, draws, drawn), tell)
+    return drawn(key_of_task(board, draws, drawn), tell)
 
 
 def play_starting(game: ir.Game, world: World, draws: Draws) -> World:

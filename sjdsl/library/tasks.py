@@ -11,13 +11,14 @@ from sjdsl.near_names import meant
 
 Tasks = str | Mapping[str, Any]  # `training`, `held_out`, `all`, or values by field
 SIDES = ("training", "held_out", "all")
+ARGUMENTS = ("tasks", "split", "problem")  # of `sjdsl.make`: together they are one choice
 MAX_PROBLEM = 2**32 - 1
 
 
 def with_tasks(
     game: ir.Game, tasks: Tasks | None = None, split: str | None = None, problem: int | None = None
 ) -> ir.Game:
-    """Returns a game that plays some of its tasks.
+    """Returns a game that plays some of its tasks, whichever it played before.
 
     Args:
       tasks: `training`, `held_out`, `all`, or the values of some fields by name, where an entry of
@@ -43,13 +44,24 @@ def with_tasks(
     if isinstance(tasks, Mapping):
         if split is not None:
             raise ValueError("fields of a task are fixed whichever side is played: leave out split")
-        changes: dict[str, Any] = {"given": _given(task, tasks)}
+        changes: dict[str, Any] = {"side": "all", "split": "", "given": _given(task, tasks)}
     else:
-        changes = _side(task, tasks, split)
+        changes = {**_side(task, tasks, split), "given": ()}
     chosen = game.model_copy(update={"task": task.model_copy(update=changes)})
     if problem is None:
         return chosen
     return _with_values(chosen, task_of_key(chosen, (0, problem)))
+
+
+def replaced_tasks(arguments: Mapping[str, Any], choice: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns arguments of `sjdsl.make` with another choice of tasks, unless that is empty.
+
+    choice: those of `tasks`, `split` and `problem` that have a value; they replace all three.
+    """
+    if not choice:
+        return dict(arguments)
+    others = {name: value for name, value in arguments.items() if name not in ARGUMENTS}
+    return {**others, **choice}
 
 
 def _check_types(tasks: Any, split: Any, problem: Any) -> None:

@@ -15,6 +15,8 @@ from sjdsl.replay.recording import (
     check_actions,
     check_returns,
     check_rules,
+    check_tasks,
+    with_tasks_played,
 )
 from sjdsl.runtime.env import Environment
 from sjdsl.runtime.episode_keys import EpisodeKeys
@@ -74,9 +76,13 @@ class EpisodePlayer:
         return moment
 
     def recording(self, environment: Mapping[str, Any]) -> Recording:
-        """Returns the episode so far. `environment`: the arguments of `sjdsl.make`."""
+        """Returns the episode so far.
+
+        environment: the arguments of `sjdsl.make`; the tasks played are added.
+        """
+        task = None if self.env.game is None else self.env.game.task
         return Recording(
-            environment=dict(environment),
+            environment=with_tasks_played(environment, task),
             hash=self.env.hash,
             seed=self.seed,
             actions=self.actions,
@@ -88,10 +94,11 @@ def replayed(recording: Recording, env: Environment) -> Iterator[Moment]:
     """Yields the moments of a recorded episode, the first one included.
 
     Raises:
-      RecordingError: the environment has other rules, its episode is shorter, an action is invalid,
-        or the returns differ.
+      RecordingError: the environment has other rules or plays other tasks, its episode is shorter,
+        an action is invalid, or the returns differ.
     """
     check_rules(recording, env.hash, env.name)
+    check_tasks(recording, env.game, env.name)
     check_actions(recording, env.num_agents, env.num_actions)
     player = EpisodePlayer(env, recording.seed)
     yield player.now()

@@ -1,14 +1,16 @@
 """The file of a recorded episode: its game, its seed, the actions of all agents."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from sjdsl.compiler import ir
 from sjdsl.files import LARGEST_JSON, read_bytes, write_whole
+from sjdsl.library.tasks import ARGUMENTS, replaced_tasks, with_tasks
 
 
 class RecordingError(Exception):
@@ -37,7 +39,8 @@ Seed = Annotated[int, Field(ge=0, lt=2**63)]
 class Recording(BaseModel):
     """One episode; JSON with these names.
 
-    environment: the arguments of `sjdsl.make`; hash: of the rules, which a replay has to have.
+    environment: the arguments of `sjdsl.make`, among them the tasks played if the game has a task.
+    hash: of the rules, which a replay has to have.
     actions: for each step, the number of each agent's action; returns: of each agent, to check a
     replay.
     """
@@ -73,6 +76,51 @@ def read_recording(path: Path) -> Recording:
             f"{path} does not hold a recorded episode; `sjdsl play GAME --record FILE` writes one, "
             "`sjdsl record GAME -o FILE.npz` many"
         ) from None
+
+
+def with_tasks_played(environment: Mapping[str, Any], task: ir.Task | None) -> dict[str, Any]:
+    """Returns arguments of `sjdsl.make` that name the tasks played, however those were chosen.
+
+    Args:
+      environment: the arguments without them, or with another way to say them.
+      task: as it is played; None in a game without one.
+    """
+    if task is None:
+        return dict(environment)
+    choice: dict[str, Any] = {"tasks": task.played}
+    if task.split:
+        choice["split"] = task.split
+    return replaced_tasks(environment, choice)
+
+
+def check_tasks(recording: Recording, game: ir.Game | None, name: str) -> None:
+    """Raises RecordingError if a game plays other tasks than were recorded.
+
+    The hash is the same for all of them. A recording that names no tasks is one of all.
+
+    Args:
+      game: as it plays; None without a compiler, where all tasks are played.
+    """
+    stored = {key: recording.environment.get(key) for key in ARGUMENTS}
+    recorded: dict[str, Any] = {key: value for key, value in stored.items() if value is not None}
+    played: dict[str, Any] = {"tasks": "all"}
+    if game is not None and game.task is not None:
+        played = with_tasks_played({}, game.task)
+        try:
+            task = with_tasks(game, **(recorded or {"tasks": "all"})).task
+        except (ValueError, TypeError) as error:
+            raise RecordingError(f"the recording names tasks that {name} lacks: {error}") from None
+        if task is not None:
+            recorded = with_tasks_played({}, task)
+    if (recorded or {"tasks": "all"}) != played:
+        raise RecordingError(
+            f"the episode was recorded with other tasks of {name}: {_said(recorded)} there, "
+            f"{_said(played)} here"
+        )
+
+
+def _said(choice: Mapping[str, Any]) -> str:
+    return ", ".join(f"{name}={value!r}" for name, value in choice.items())
 
 
 def check_rules(recording: Recording, game_hash: str, name: str) -> None:

@@ -107,11 +107,7 @@ class Environment:
         None too if it was made from a compiled module alone, which plays all tasks.
         """
         task = None if self.game is None else self.game.task
-        if task is None:
-            return None
-        if not task.given:
-            return task.side
-        return {given.name: given.value for given in task.given}
+        return None if task is None else task.played
 
     @property
     def split(self) -> str:

@@ -2,14 +2,21 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import click
 import pytest
 
+import sjdsl
+import sjdsl.cli.evaluate as evaluating
 import sjdsl.cli.list as listing
-from sjdsl.cli import run
-from sjdsl.cli.environment_options import EnvironmentOptions, read_tasks
+from sjdsl.cli import run, scenarios
+from sjdsl.cli.environment_options import EnvironmentOptions, make_environment, read_tasks
 from sjdsl.replay.dataset import load_recording
+from sjdsl.replay.episode_player import EpisodePlayer, replayed
+from sjdsl.replay.recording import Recording, RecordingError, check_tasks
+from sjdsl.runtime.env import Environment
+from tests.experiments.stored_policies import store
 
 CASE = Path(__file__).parents[1] / "cases" / "splits.sj"
 
@@ -68,6 +75,145 @@ def test_a_recorded_episode_is_replayed_with_its_tasks(
     stored = load_recording(file, 1).environment
     assert (stored["tasks"], stored["split"]) == ("held_out", "late")
     assert "problem" not in stored
+
+
+SIDES: dict[str, dict[str, Any]] = {
+    "training": {},
+    "all": {"tasks": "all"},
+    "late": {"tasks": "held_out", "split": "late"},
+    "rich": {"tasks": "held_out", "split": "rich"},
+    "red": {"tasks": {"feeding": "red", "pay": {"green": 4}}},
+    "problem": {"problem": 906},
+}
+
+
+def recorded(env: Environment, environment: dict[str, Any]) -> Recording:
+    """Returns an episode of three steps."""
+    player = EpisodePlayer(env, seed=3)
+    for _ in range(3):
+        player.step([2, 2])
+    return player.recording(environment)
+
+
+def test_an_episode_is_replayed_with_its_own_tasks_only() -> None:
+    """Whatever the caller says of the environment, the recording names the tasks played."""
+    envs = {name: sjdsl.make(CASE, **arguments) for name, arguments in SIDES.items()}
+    assert len({env.hash for env in envs.values()}) == 1
+    for name, env in envs.items():
+        recording = recorded(env, {"game": str(CASE)})
+        assert sjdsl.make(**recording.environment).game.task == env.game.task
+        read = Recording.model_validate_json(recording.model_dump_json())
+        check_tasks(read, env.game, env.name)
+        assert len(list(replayed(read, env))) == 4
+        for other, elsewhere in envs.items():
+            if other != name:
+                with pytest.raises(RecordingError, match="with other tasks of splits"):
+                    next(replayed(read, elsewhere))
+
+
+def test_a_recording_may_say_its_tasks_as_they_were_chosen() -> None:
+    env = sjdsl.make(CASE, problem=906)
+    recording = recorded(env, {"game": str(CASE)})
+    chosen = recording.model_copy(update={"environment": {"game": str(CASE), "problem": 906}})
+    check_tasks(chosen, env.game, env.name)
+    nothing = recording.model_copy(update={"environment": {"game": str(CASE)}})
+    with pytest.raises(RecordingError, match="other tasks of splits: tasks='all' there"):
+        check_tasks(nothing, env.game, env.name)
+    check_tasks(nothing, sjdsl.make(CASE, tasks="all").game, env.name)
+    check_tasks(nothing, None, env.name)
+    with pytest.raises(RecordingError, match="other tasks"):
+        check_tasks(chosen, None, env.name)
+    wrong = recording.model_copy(update={"environment": {"game": str(CASE), "tasks": "trainig"}})
+    with pytest.raises(RecordingError, match="did you mean `training`"):
+        check_tasks(wrong, env.game, env.name)
+
+
+def test_recorded_and_played_episodes_name_their_tasks(tmp_path: Path) -> None:
+    played = tmp_path / "played.json"
+    play = ["play", str(CASE), "--watch", "--steps", "2", "--record", str(played)]
+    assert run(play) == 0
+    assert load_recording(played).environment["tasks"] == "training"
+    file = tmp_path / "episodes.npz"
+    assert run(["record", str(CASE), "--problem", "906", "--episodes", "1", "-o", str(file)]) == 0
+    stored = load_recording(file).environment
+    assert len(stored["tasks"]) == 8
+    assert "problem" not in stored
+    assert run(["replay", str(file)]) == 0
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        (EnvironmentOptions(), {"tasks": "held_out", "split": "rich", "variant": "v"}),
+        (EnvironmentOptions(tasks="training"), {"tasks": "training", "variant": "v"}),
+        (EnvironmentOptions(problem=3), {"problem": 3, "variant": "v"}),
+    ],
+)
+def test_a_choice_of_tasks_replaces_that_of_a_preset(
+    options: EnvironmentOptions, expected: dict[str, Any]
+) -> None:
+    chosen = options.or_else({"tasks": "held_out", "split": "rich", "variant": "v"})
+    assert {**chosen.of_tasks, "variant": chosen.variant} == expected
+
+
+def stored_run(folder: Path, **tasks: Any) -> str:
+    """Stores a run on some tasks; returns its folder."""
+    provenance = EnvironmentOptions(**tasks).describe(str(CASE))
+    store(folder, make_environment(provenance), 0)
+    (folder / "manifest.json").write_text(json.dumps({"provenance": provenance}))
+    return str(folder)
+
+
+def test_tasks_that_are_chosen_replace_those_of_the_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    seen: list[Any] = []
+
+    def stop(*arguments: Any, **_: Any) -> dict[str, Any]:
+        seen.append(arguments)
+        return {}
+
+    monkeypatch.setattr(evaluating, "evaluate_run", stop)
+    one = stored_run(tmp_path / "one", problem=3)
+    assert run(["evaluate", one, "--tasks", "held_out", "--split", "late"]) == 0, (
+        capsys.readouterr()
+    )
+    assert (seen[-1][1].tasks, seen[-1][1].split) == ("held_out", "late")
+    rich = stored_run(tmp_path / "rich", tasks="held_out", split="rich")
+    assert run(["evaluate", rich, "--tasks", "training"]) == 0, capsys.readouterr()
+    assert (seen[-1][1].tasks, seen[-1][1].split) == ("training", "")
+
+    monkeypatch.setattr(scenarios, "prepare_environment", stop)
+    with pytest.raises(TypeError):  # what `stop` returns is no environment
+        run(["evaluate", rich, "--scenario", "all", "--problem", "4"])
+    arguments = seen[-1][1]
+    assert arguments["problem"] == 4
+    assert "tasks" not in arguments
+    assert "split" not in arguments
+
+
+@pytest.mark.parametrize(
+    ("tasks", "message"),
+    [
+        ({"tasks": {"feeding": "red"}}, "the run is one on tasks with feeding=red"),
+        ({"tasks": "held_out", "split": "rich"}, "the run is one on held-out tasks, rich"),
+        ({"tasks": "all"}, "the run is one on all tasks"),
+    ],
+)
+def test_why_a_split_alone_is_refused(
+    tasks: dict[str, Any], message: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = stored_run(tmp_path / "run", **tasks)
+    assert run(["evaluate", folder, "--split", "late"]) == 2
+    assert message in " ".join(capsys.readouterr().err.split())
+
+
+def test_a_split_of_a_game_that_holds_nothing_out_is_refused() -> None:
+    chosen = EnvironmentOptions(split="late")
+    with pytest.raises(click.UsageError, match="coins has none"):
+        evaluating._held_out(sjdsl.make("coins"), chosen)
+    with pytest.raises(click.UsageError, match="holds out none"):
+        evaluating._held_out(sjdsl.make(CASE.with_name("tasks.sj")), chosen)
 
 
 def test_list_counts_tasks(

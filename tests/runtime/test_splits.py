@@ -1,7 +1,11 @@
 """Splits of tasks: which tasks each side plays, in the compiled game and in the interpreter alike."""
 
+import gc
+import weakref
 from collections import Counter
+from collections.abc import Iterator
 from fractions import Fraction
+from itertools import permutations
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +15,17 @@ import numpy as np
 import pytest
 
 from sjdsl.compiler import build, ir
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.ir import task_rows
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.ir.queries import task_space
 from sjdsl.compiler.ir.task_rows import rows_of_hold_out, rows_of_training, tasks_with
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.library.factory import make
+from sjdsl.interpreter import tasks as interpreted
+from sjdsl.interpreter.board import CACHE_SIZE
+from sjdsl.interpreter.step import task_of_key
+from sjdsl.library.factory import make, with_other_tasks
 from sjdsl.library.tasks import with_tasks
 from sjdsl.runtime.tasks import with_entries
 from tests.fuzz import together
@@ -37,7 +46,7 @@ SMALL = """sj 1
 game small "A task of six" {
   episode 3
   task rules { field hue : { red, green, blue }  field dear : 0 .. 1 }
-  train on 4 of rules seed 1
+  train on 3 of rules seed 1
   kind grass "."
   map { "..." }
   agents 1 { acts stay, forward  moves relative }
@@ -147,13 +156,48 @@ def test_the_tasks_of_a_side_are_counted() -> None:
     assert share**train_on.candidates <= Fraction(1, 2**64) < share ** (train_on.candidates - 1)
 
 
+def test_the_interpreter_lists_the_same_rows() -> None:
+    task = GAME.task
+    assert task is not None
+    parts = task_rows.all_parts(task)[:6]  # one field, a row of different values, some of another
+    rows = list(interpreted._all_rows(task, parts))
+    assert rows == list(task_rows._all_rows(task, parts))
+    assert len(rows) == len(set(rows)) == 3 * 60 * 9
+
+
+def test_the_interpreter_keeps_no_task_that_was_played_long_ago() -> None:
+    game = side("rules")
+    task_of_key(game, (17, 1))
+    assert game.task is not None
+    first = weakref.ref(game.task)
+    del game
+    for _ in range(CACHE_SIZE):
+        task_of_key(side("rules"), (17, 1))
+    gc.collect()
+    assert first() is None
+
+
+def test_a_reset_draws_64_candidates_at_most() -> None:
+    """Half of the tasks to train on: 2^-64 = (1 / 2)^64. The six tasks allow no fourth."""
+    task = build(Source("small.sj", SMALL)).game.task
+    assert task is not None
+    assert task.train_on is not None
+    assert task.train_on.candidates == 64
+    with pytest.raises(CompileError, match="4 training tasks, out of 6, leave less than half"):
+        build(Source("small.sj", SMALL.replace("train on 3", "train on 4")))
+
+
 def test_tasks_of_a_small_space_are_held_out_too() -> None:
     game = build(Source("small.sj", SMALL)).game
     training = set(drawn(with_tasks(game), 60))
     others = set(drawn(with_tasks(game, "held_out"), 60))
-    assert len(training) <= 4
+    assert len(training) <= 3
     assert len(training | others) == 6
     assert training.isdisjoint(others)
+
+
+def test_a_table_names_its_columns_as_they_are_written() -> None:
+    assert "rows of pay[red], order[blue]" in together.module_text(side("rich"))
 
 
 def test_what_is_given_is_not_drawn() -> None:
@@ -176,6 +220,18 @@ def test_a_problem_is_one_task_of_its_side() -> None:
     assert all(map(is_rich, drawn(rich, 3)))
 
 
+@pytest.mark.parametrize("before", SIDES)
+def test_a_choice_of_tasks_replaces_the_one_before(before: str) -> None:
+    for name, arguments in SIDES.items():
+        assert with_tasks(side(before), **arguments).task == side(name).task, name
+    assert with_tasks(side("given"), {}).task == side("all").task
+
+
+def test_other_tasks_of_an_environment_are_not_those_given_before() -> None:
+    env = with_other_tasks(make(CASE, problem=906), "held_out", "rich")
+    assert (env.tasks, env.split) == ("held_out", "rich")
+
+
 def test_splits_change_no_draw_of_a_game_that_plays_all() -> None:
     text = CASE.read_text("utf-8")
     lines = text.splitlines(keepends=True)
@@ -190,6 +246,31 @@ def test_entries_that_are_given_swap_with_those_that_have_the_values() -> None:
     row = jnp.asarray([4, 2, 0, 3], jnp.uint8)
     assert with_entries(row, jnp.asarray([2, 1]), (0, 3), different=True).tolist() == [2, 4, 0, 1]
     assert with_entries(row, jnp.asarray([2, 1]), (0, 3)).tolist() == [2, 2, 0, 1]
+
+
+def test_the_rows_of_a_condition_are_listed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of 6 of 8 different values there are 8! / 2! = 20,160 rows; that some are held out shows at
+    the first that is."""
+    listed = Counter[str]()
+    all_rows = task_rows._all_rows
+
+    def counted(*arguments: Any) -> Iterator[task_rows.Row]:
+        for row in all_rows(*arguments):
+            listed["rows"] += 1
+            yield row
+
+    monkeypatch.setattr(task_rows, "_all_rows", counted)
+    task = "field hue by { a, b, c, d, e, f, g, h } : different 0 .. 7  "
+    condition = "hue[a] + hue[b] + hue[c] + hue[d] + hue[e] + hue[f] > 20"
+    text = SMALL.replace("field hue", f"{task}field shade")
+    text = text.replace("train on 3", f"hold out dark of rules where {condition}\n  train on 3")
+    game = build(Source("small.sj", text.replace("hue is red", "shade is red"))).game
+    assert game.task is not None
+    dark = sum(sum(row) > 20 for row in permutations(range(8), 6))
+    assert tasks_with(rows_of_training(game.task), game.task) == (20160 - dark) * 2 * 3 * 2
+    listed.clear()
+    build(Source("small.sj", text.replace("hue is red", "shade is red")))
+    assert 20160 < listed["rows"] < 2 * 20160
 
 
 @pytest.mark.parametrize(

@@ -4,8 +4,6 @@ train on 64 of rules seed 0   ->   TrainOn(number=64, seed=0)
 hold out light of rules where pay[red] > 7   ->   HoldOut(name="light", condition=…)
 """
 
-import math
-
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.compose import Composition
@@ -13,17 +11,18 @@ from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.elaborate.scope import Scope
 from sjdsl.compiler.ir.fold import VALUES
 from sjdsl.compiler.ir.task_rows import (
+    holds_out_any,
     number_of_ways,
     part_name,
     parts_read,
-    rows_of_hold_out,
     rows_of_training,
     tasks_with,
 )
 
 WORLD = ir.Sort("world")
-LEFT = 100  # at least a hundredth of the tasks are no training tasks of `train on`
-BITS = 64  # all candidates are training tasks with a probability of 2^-64 at most
+# All candidates are training tasks with a probability of 2^-64 at most. Half of the tasks or more
+# are no training tasks of `train on`, so there are 64 candidates at most.
+BITS = 64
 
 
 def check_no_splits(game: Composition, scope: Scope) -> None:
@@ -49,9 +48,13 @@ def with_splits(task: ir.Task, game: Composition, scope: Scope) -> ir.Task:
         return task
     task = task.model_copy(update={"hold_outs": tuple(hold_outs)})
     with scope.problems.skip_if_broken():
-        _check_sides(task, scope)
+        _check_conditions(task, scope)
+        training = rows_of_training(task)
+        if not training.rows:
+            raise scope.fail(errors.NothingToTrainOn(task.hold_outs[-1].span))
         if game.train_on is not None:
-            task = task.model_copy(update={"train_on": _train_on(game.train_on, task, scope)})
+            train_on = _train_on(game.train_on, tasks_with(training, task), scope)
+            task = task.model_copy(update={"train_on": train_on})
     return task
 
 
@@ -76,10 +79,8 @@ def _hold_out(split: ast.HoldOut, task: ir.Task, scope: Scope) -> ir.HoldOut:
     return ir.HoldOut(name=name, condition=condition, origin=split.span)
 
 
-def _check_sides(task: ir.Task, scope: Scope) -> None:
-    """Reports a side without a task, and conditions that read too much to list the cases."""
-    if not task.hold_outs:
-        return
+def _check_conditions(task: ir.Task, scope: Scope) -> None:
+    """Reports conditions that read too much to list the cases, and one that never holds."""
     conditions = [hold_out.condition for hold_out in task.hold_outs]
     parts = parts_read(task, conditions)
     ways = number_of_ways(task, parts)
@@ -90,22 +91,27 @@ def _check_sides(task: ir.Task, scope: Scope) -> None:
         span = task.hold_outs[-1].span
         raise scope.fail(limits.too_much(problem, limits.MAX_DRAWN, span, help_))
     for hold_out in task.hold_outs:
-        if not rows_of_hold_out(task, hold_out).rows:
+        if not holds_out_any(task, hold_out):
             raise scope.fail(errors.NothingHeldOut(hold_out.span, name=hold_out.name))
-    if not rows_of_training(task).rows:
-        raise scope.fail(errors.NothingToTrainOn(task.hold_outs[-1].span))
 
 
-def _train_on(split: ast.TrainOn, task: ir.Task, scope: Scope) -> ir.TrainOn:
+def _train_on(split: ast.TrainOn, tasks: int, scope: Scope) -> ir.TrainOn:
+    """Returns what to train on, of this many tasks that no `hold out` holds out."""
     quantity = "the number of tasks to train on"
     number = scope.whole(split.number, quantity, quantity, 1, limits.MAX_DRAWN)
     quantity = "the seed of a split"
     seed = scope.whole(split.seed, quantity, quantity, 0, limits.MAX_VALUE)
-    tasks = tasks_with(rows_of_training(task), task)
-    if number * LEFT > tasks * (LEFT - 1):
-        most = tasks * (LEFT - 1) // LEFT
+    if 2 * number > tasks:
         raise scope.fail(
-            errors.TooManyToTrainOn(split.number.span, number=number, tasks=tasks, most=most)
+            errors.TooManyToTrainOn(split.number.span, number=number, tasks=tasks, most=tasks // 2)
         )
-    candidates = math.ceil(BITS / (math.log2(tasks) - math.log2(number)))
+    candidates = _candidates(number, tasks)
     return ir.TrainOn(number=number, seed=seed, candidates=candidates, origin=split.span)
+
+
+def _candidates(number: int, tasks: int) -> int:
+    """Returns the smallest A with (number / tasks)^A <= 2^-64."""
+    candidates = 1
+    while number**candidates << BITS > tasks**candidates:
+        candidates += 1
+    return candidates

@@ -414,6 +414,13 @@ class Task(Node):
     split: str = ""
     given: tuple[GivenPart, ...] = ()
 
+    @property
+    def played(self) -> Side | dict[str, int | str]:
+        """Which tasks are played, as the argument `tasks` of `sjdsl.make`."""
+        if not self.given:
+            return self.side
+        return {given.name: given.value for given in self.given}
+
 
 class Game(Node):
     """A whole game, one variant of it: what the interpreter runs and the lowering reads.

@@ -4,7 +4,6 @@ They say what a game declares and where, never what its rules mean: the interpre
 stays an oracle.
 """
 
-import math
 from collections.abc import Callable
 from types import UnionType
 
@@ -41,7 +40,8 @@ from sjdsl.compiler.ir.game import (
 )
 from sjdsl.compiler.ir.node import Node
 from sjdsl.compiler.ir.sorts import AGENTS, Sort
-from sjdsl.compiler.ir.statements import Draw, Remove, Send
+from sjdsl.compiler.ir.statements import Remove, Send
+from sjdsl.compiler.ir.task_rows import all_parts, number_of_ways
 
 Start = int | float | str | None
 Lanes = tuple[tuple[tuple[int, int], ...], ...]
@@ -190,13 +190,7 @@ def beginning_phases(game: Game) -> tuple[Phase, ...]:
 
 def task_space(task: Task) -> int:
     """Returns how many tasks there are, all equally likely."""
-    space = 1
-    for drawn in task.draw.body:
-        if isinstance(drawn, Draw):
-            values = len(drawn.words) or int(drawn.type.high - drawn.type.low) + 1
-            entries = 1 if drawn.by is None else len(drawn.by)
-            space *= math.perm(values, entries) if drawn.different else values**entries
-    return space
+    return number_of_ways(task, all_parts(task))
 
 
 def marking_phases(game: Game) -> tuple[Phase, ...]:

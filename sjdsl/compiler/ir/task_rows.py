@@ -6,7 +6,7 @@ A part is a field, or one entry of a row. A condition reads some of them, and th
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from itertools import permutations, product
 from typing import Any
 
@@ -35,6 +35,11 @@ def drawn_fields(task: Task) -> tuple[Draw, ...]:
     return tuple(statement for statement in task.draw.body if isinstance(statement, Draw))
 
 
+def drawn_field(task: Task, name: str) -> Draw:
+    """Returns what is drawn for the field of a name."""
+    return next(drawn for drawn in drawn_fields(task) if drawn.name == name)
+
+
 def values_of(drawn: Draw) -> tuple[Part, ...]:
     """Returns the values that a field, or an entry of a row, can have."""
     if drawn.words:
@@ -49,9 +54,14 @@ def parts_of(drawn: Draw) -> tuple[TaskPart, ...]:
     return tuple(TaskPart(field=drawn.name, place=place) for place in range(len(drawn.by)))
 
 
+def all_parts(task: Task) -> tuple[TaskPart, ...]:
+    """Returns the parts of all fields, in the order of declaration."""
+    return tuple(part for drawn in drawn_fields(task) for part in parts_of(drawn))
+
+
 def part_name(part: TaskPart, task: Task) -> str:
     """Returns a part as it is written: `hue`, `pay[red]`."""
-    drawn = next(drawn for drawn in drawn_fields(task) if drawn.name == part.field)
+    drawn = drawn_field(task, part.field)
     if part.place is None:
         return part.field
     assert drawn.by is not None
@@ -75,12 +85,7 @@ def parts_read(task: Task, conditions: Sequence[Expr]) -> tuple[TaskPart, ...]:
     """
     read = {part for condition in conditions for part in _read(condition)}
     whole_rows = {part.field for part in read if part.place is None}
-    return tuple(
-        part
-        for drawn in drawn_fields(task)
-        for part in parts_of(drawn)
-        if part in read or part.field in whole_rows
-    )
+    return tuple(part for part in all_parts(task) if part in read or part.field in whole_rows)
 
 
 def _read(e: Node) -> Iterator[TaskPart]:
@@ -98,12 +103,23 @@ def _read(e: Node) -> Iterator[TaskPart]:
 
 def rows_of_training(task: Task) -> SideRows:
     """Returns the tasks for which the condition of no `hold out` holds."""
-    return _rows(task, task.hold_outs, is_held_out=False)
+    conditions = tuple(hold_out.condition for hold_out in task.hold_outs)
+    parts = parts_read(task, conditions)
+    return SideRows(parts, tuple(_rows(task, parts, conditions, some_holds=False)))
 
 
 def rows_of_hold_out(task: Task, hold_out: HoldOut) -> SideRows:
     """Returns the tasks for which the condition of a `hold out` holds."""
-    return _rows(task, (hold_out,), is_held_out=True)
+    conditions = (hold_out.condition,)
+    parts = parts_read(task, conditions)
+    return SideRows(parts, tuple(_rows(task, parts, conditions, some_holds=True)))
+
+
+def holds_out_any(task: Task, hold_out: HoldOut) -> bool:
+    """Returns whether the condition of a `hold out` holds for a task; lists no more than one."""
+    conditions = (hold_out.condition,)
+    parts = parts_read(task, conditions)
+    return next(_rows(task, parts, conditions, some_holds=True), None) is not None
 
 
 def rows_of_side(task: Task) -> SideRows:
@@ -123,21 +139,35 @@ def rows_of_side(task: Task) -> SideRows:
 
 def tasks_with(rows: SideRows, task: Task) -> int:
     """Returns how many tasks there are with one of the rows."""
-    everything = tuple(part for drawn in drawn_fields(task) for part in parts_of(drawn))
-    free = number_of_ways(task, everything) // number_of_ways(task, rows.parts)
+    free = number_of_ways(task, all_parts(task)) // number_of_ways(task, rows.parts)
     return free * len(rows.rows)
 
 
-def _rows(task: Task, hold_outs: tuple[HoldOut, ...], is_held_out: bool) -> SideRows:
-    """Returns the rows for which some condition holds, or none does."""
-    conditions = tuple(hold_out.condition for hold_out in hold_outs)
-    parts = parts_read(task, conditions)
-    rows = []
+def _rows(
+    task: Task, parts: Sequence[TaskPart], conditions: Sequence[Expr], some_holds: bool
+) -> Iterator[Row]:
+    """Yields the rows of the parts that conditions read for which some holds, or none does."""
+    columns = {part: column for column, part in enumerate(parts)}
+    columns_of_fields = {
+        drawn.name: tuple(columns.get(part) for part in parts_of(drawn))
+        for drawn in drawn_fields(task)
+        if any(part.field == drawn.name for part in parts)
+    }
+    rows_by_key = {drawn.name for drawn in drawn_fields(task) if drawn.by is not None}
+    fields: dict[str, Any] = {}  # of the row that is looked at; entries that nothing reads are None
+
+    def read(e: Expr) -> Any:
+        if not isinstance(e, FieldRead):
+            raise UnknownValue
+        return fields[e.name]
+
+    evaluation = Evaluation(read)
     for row in _all_rows(task, parts):
-        fields = _fields(task, dict(zip(parts, row, strict=True)))
-        if any(_holds(condition, fields) for condition in conditions) == is_held_out:
-            rows.append(row)
-    return SideRows(parts, tuple(rows))
+        for name, of_field in columns_of_fields.items():
+            values = tuple(None if column is None else row[column] for column in of_field)
+            fields[name] = values if name in rows_by_key else values[0]
+        if any(fold(condition, evaluation) for condition in conditions) == some_holds:
+            yield row
 
 
 def _all_rows(task: Task, parts: Sequence[TaskPart]) -> Iterator[Row]:
@@ -152,26 +182,8 @@ def _all_rows(task: Task, parts: Sequence[TaskPart]) -> Iterator[Row]:
         yield tuple(value for row in rows for value in row)
 
 
-def _fields(task: Task, row: Mapping[TaskPart, Part]) -> dict[str, Any]:
-    """Returns the values of fields, rows as tuples; None where no condition reads."""
-    fields: dict[str, Any] = {}
-    for drawn in drawn_fields(task):
-        values = tuple(row.get(part) for part in parts_of(drawn))
-        fields[drawn.name] = values[0] if drawn.by is None else values
-    return fields
-
-
-def _holds(condition: Expr, fields: Mapping[str, Any]) -> bool:
-    def read(e: Expr) -> Any:
-        if not isinstance(e, FieldRead):
-            raise UnknownValue
-        return fields[e.name]
-
-    return bool(fold(condition, Evaluation(read)))
-
-
 __all__ = [
-    "GivenPart", "Part", "Row", "SideRows", "drawn_fields", "number_of_ways", "part_name",
-    "parts_of", "parts_read", "rows_of_hold_out", "rows_of_side", "rows_of_training", "tasks_with",
-    "values_of",
+    "GivenPart", "Part", "Row", "SideRows", "all_parts", "drawn_field", "drawn_fields",
+    "holds_out_any", "number_of_ways", "part_name", "parts_of", "parts_read", "rows_of_hold_out",
+    "rows_of_side", "rows_of_training", "tasks_with", "values_of",
 ]  # fmt: skip

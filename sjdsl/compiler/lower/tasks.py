@@ -1,7 +1,14 @@
 """Lowers splits of tasks: the functions that draw a task of the side that is played."""
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.task_rows import SideRows, drawn_fields, parts_of, rows_of_side
+from sjdsl.compiler.ir.task_rows import (
+    SideRows,
+    drawn_field,
+    drawn_fields,
+    part_name,
+    parts_of,
+    rows_of_side,
+)
 from sjdsl.compiler.lower.draws import KEY
 from sjdsl.compiler.lower.writer import Module, Writer, replaced
 from sjdsl.compiler.program import Function
@@ -58,8 +65,11 @@ def _task_of_side(task: ir.Task, drawn: Expression, module: Module) -> Function:
     w.set(STATE, drawn)
     rows = rows_of_side(task)
     if rows.parts:
-        comment = "rows of " + ", ".join(map(_name, rows.parts))
-        numbers = [[_number(rows, row, at, task) for at in range(len(row))] for row in rows.rows]
+        comment = "rows of " + ", ".join(part_name(part, task) for part in rows.parts)
+        numbers = []
+        for row in rows.rows:
+            values = zip(rows.parts, row, strict=True)
+            numbers.append([_number(part, value, task) for part, value in values])
         table = module.constant("rows_of_side", numbers, comment, "i32")
         is_given = bool(task.given)
         stream = _stream("task_row", task.row_stream, module)
@@ -70,18 +80,11 @@ def _task_of_side(task: ir.Task, drawn: Expression, module: Module) -> Function:
     return Function(OF_SIDE, (("params", "Params"), ("key", "Array")), "State", doc, live(w.body))
 
 
-def _name(part: ir.TaskPart) -> str:
-    return part.field if part.place is None else f"{part.field}[{part.place}]"
-
-
-def _number(rows: SideRows, row: tuple[int | str, ...], at: int, task: ir.Task) -> int:
+def _number(part: ir.TaskPart, value: int | str, task: ir.Task) -> int:
     """Returns the number that stands for the value of a part."""
-    value = row[at]
     if isinstance(value, int):
         return value
-    field = rows.parts[at].field
-    drawn = next(drawn for drawn in drawn_fields(task) if drawn.name == field)
-    return drawn.words.index(value)
+    return drawn_field(task, part.field).words.index(value)
 
 
 def _with_parts(rows: SideRows, task: ir.Task) -> dict[str, Expression]:

@@ -304,9 +304,9 @@ class NothingToTrainOn(Diagnostic, code="SJ517", title="Splits of tasks"):
 
 
 class TooManyToTrainOn(Diagnostic, code="SJ517", title="Splits of tasks"):
-    """tasks: that can be trained on. most: of them, so that a hundredth is left."""
+    """tasks: that can be trained on. most: of them, so that half are left."""
 
-    says = "{number} training tasks, out of {tasks}, leave less than a hundredth of them held out"
+    says = "{number} training tasks, out of {tasks}, leave less than half of them held out"
     hints = (
         "write {most} at most, or `hold out` those that must not be learned from",
         "give the task more fields, or fields more values",
