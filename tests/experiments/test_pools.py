@@ -33,6 +33,7 @@ ACTING = {
         "own",
         "normalise_values",
         "layer_norm",
+        "share_hidden",
     ),
 }
 

@@ -77,6 +77,22 @@ def test_shapes_and_initial_scale(kind: str) -> None:
     np.testing.assert_allclose(critic.T @ critic, [[1.0]], atol=1e-5)
 
 
+def test_actor_and_critic_can_have_their_hidden_layer_in_common() -> None:
+    network = ActorCritic(7, AGENTS, PLANES, None, layers("mlp", 16), share_hidden=True)
+    observation_key, network_key = jax.random.split(jax.random.key(0))
+    observation = _observations(observation_key)
+    parameters = network.init(network_key, (), observation, None, FRESH)["params"]
+    assert {name: set(parameters[name]) for name in ("actor", "critic")} == {
+        "actor": {"out"},
+        "critic": {"out"},
+    }
+    without = parameters | {"Dense_0": jax.tree.map(jnp.zeros_like, parameters["Dense_0"])}
+    for changed, is_known in ((parameters, True), (without, False)):
+        _, logits, values = network.apply({"params": changed}, (), observation, None, FRESH)
+        assert bool(jnp.any(logits != 0)) == is_known
+        assert bool(jnp.any(values != 0)) == is_known
+
+
 def test_every_plane_of_an_agents_own_window_reaches_its_outputs_and_no_other(kind: str) -> None:
     for outputs in map(np.asarray, _read_changed(kind, False)[1:]):
         told = np.abs(outputs[1:] - outputs[0]).reshape(AGENTS, 3, ENVS, AGENTS, -1).max(axis=-1)

@@ -157,6 +157,7 @@ def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
         recurrent=config.memory == "gru",
         reads=config.memory_reads,
         numbers=env.num_agents if config.agent_id else 0,
+        share_hidden=config.share_hidden,
         normalise_values=config.normalise_values,
     )
     masks = wants_masks(env, config)

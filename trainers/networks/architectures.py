@@ -173,7 +173,7 @@ class Recurrence(nn.Module):
 
 
 class Head(nn.Module):
-    """A hidden layer and a linear layer with float32 outputs.
+    """A linear layer with float32 outputs, after a hidden layer if it has one.
 
     Of a critic whose values are normalised, it also has their scale (`value_scale`).
     """
@@ -181,16 +181,18 @@ class Head(nn.Module):
     outputs: int
     layers: Layers
     gain: float
+    hidden: bool = True
     normalised: bool = False
 
     @nn.compact
     def __call__(self, features: Array) -> Array:
         """Returns float32 outputs `[..., outputs]`."""
-        hidden = dense(features, self.layers)
+        if self.hidden:
+            features = dense(features, self.layers)
         last = nn.Dense(
             self.outputs, kernel_init=orthogonal(self.gain), dtype=self.layers.dtype, name="out"
         )
-        outputs = last(hidden).astype(jnp.float32)
+        outputs = last(features).astype(jnp.float32)
         if not self.normalised:
             return outputs
         mean = self.param("mean", nn.initializers.zeros, (), jnp.float32)
@@ -201,8 +203,8 @@ class Head(nn.Module):
 class ActorCritic(nn.Module):
     """The network that S agents share: a policy given an agent's window, and a value.
 
-    With a local critic, policy and value share one torso, and the value depends on the agent's own
-    window. With a central one, the critic is a separate network that sees `joint`, the same for all
+    With a local critic, policy and value share one torso, and a hidden layer after it if
+    `share_hidden`; the value depends on the agent's own window. With a central one, the critic is a separate network that sees `joint`, the same for all
     agents, and returns all S values at once, so it doesn't need agents' numbers. It reads the last
     steps of all S agents if each agent reads its own.
     """
@@ -215,6 +217,7 @@ class ActorCritic(nn.Module):
     recurrent: bool = False
     reads: tuple[str, ...] = ()  # of the agents' last steps: `memory_reads`
     numbers: int = 0  # N if the agents' numbers are an input, else 0
+    share_hidden: bool = False
     normalise_values: bool = False
 
     @nn.compact
@@ -242,6 +245,7 @@ class ActorCritic(nn.Module):
             Head,
             layers=self.layers,
             gain=CRITIC_GAIN,
+            hidden=not self.share_hidden,
             normalised=self.normalise_values,
             name="critic",
         )
@@ -252,7 +256,12 @@ class ActorCritic(nn.Module):
             features = jnp.concatenate([features, last], axis=-1)
         of_agents = jnp.broadcast_to(fresh[..., None], features.shape[:-1])
         memory, features = self._remember("memory", memory, features, of_agents)
-        logits = Head(self.num_actions, self.layers, ACTOR_GAIN, name="actor")(features)
+        if self.share_hidden:
+            features = dense(features, self.layers)
+        actor = Head(
+            self.num_actions, self.layers, ACTOR_GAIN, hidden=not self.share_hidden, name="actor"
+        )
+        logits = actor(features)
         if self.joint_planes is None:
             return memory, logits, critic(1)(features)[..., 0]
         assert joint is not None

@@ -209,6 +209,7 @@ TRACES = Only(
 SCALED = only("reward", "individual", "svo", "exchange", "inequity")
 CNN = only("network", "cnn")
 MAPPO = only("algorithm", "mappo")
+LOCAL_CRITICS = Only("algorithm", "ippo", lambda name: name != "mappo")
 REMEMBERED = only("memory", "gru")
 BUFFER = only("replay", "buffer")
 ROLLOUT = only("replay", "none")
@@ -412,6 +413,8 @@ class PPOConfig(Config):
     entropy_coefficient: NonNegativeFloat = 0.01
     value_coefficient: NonNegativeFloat = 0.5
 
+    # actor and critic have a hidden layer in common after the torso, instead of one each
+    share_hidden: Annotated[bool, LOCAL_CRITICS] = False
     # the critic's input: all agents' windows, or the state
     critic: Annotated[Literal["observations", "state"], MAPPO] = "observations"
     # one optimiser and one gradient clip for actor and critic, as in ippo; else one each

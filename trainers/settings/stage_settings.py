@@ -17,6 +17,7 @@ SHAPING_NETWORKS = (
     "convolution_sides",
     "convolution_channels",
     "layer_norm",
+    "share_hidden",
     "agent_id",
     "sharing",
     "critic",
