@@ -44,7 +44,7 @@ exchange_ratio inequity_envy inequity_guilt inequity_smoothing match_socialjax
 checkpoint_minutes checkpoint_share checkpoint_updates policy_every keep_policies evaluate_every
 evaluation_episodes num_epochs num_minibatches gae_lambda clip_epsilon scale_clip_epsilon
 clip_value_loss entropy_coefficient value_coefficient joint_optimiser spread_starts advantage_floor
-adam_epsilon replay q_lambda buffer_size batch_size gradient_steps learning_starts double_q
+adam_epsilon preference_noise replay q_lambda buffer_size batch_size gradient_steps learning_starts double_q
 target_update_every target_rate epsilon_start epsilon_fraction
 """
 LEARNING = frozenset(_LEARNING.split())

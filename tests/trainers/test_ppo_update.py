@@ -39,6 +39,7 @@ from sjdsl.trainers.algorithms.ppo import (
     ppo_loss,
     take_epochs,
 )
+from sjdsl.trainers.algorithms.preferences import draw_preferences
 from sjdsl.trainers.algorithms.rollout import Rollout
 from sjdsl.trainers.algorithms.training_functions import keep_if_finite
 from sjdsl.trainers.networks.actor_critics import make_actor_critics
@@ -149,6 +150,8 @@ def less_sure(parameters: Any) -> Any:
             {**CENTRAL, "memory": "gru", "memory_reads": READS, "sharing": "per_agent"},
             marks=pytest.mark.slow,
         ),
+        {"preference_noise": 2.0},
+        pytest.param({"preference_noise": 2.0, "memory": "gru"}, marks=pytest.mark.slow),
     ],
     ids=[
         "mappo",
@@ -159,6 +162,8 @@ def less_sure(parameters: Any) -> Any:
         "all at once",
         "memory of rewards",
         "all at once, of rewards",
+        "preferences",
+        "preferences with memory",
     ],
 )
 def test_learning_computes_what_acting_did(changes: dict[str, Any]) -> None:
@@ -167,7 +172,8 @@ def test_learning_computes_what_acting_did(changes: dict[str, Any]) -> None:
     Of networks that have learnt, for those of the start give all actions the same probability; but made less sure of themselves.
     """
     env, state = trained(changes)
-    state = state.replace(learner=state.learner.replace(params=less_sure(state.learner.params)))
+    learner = state.learner.replace(params=less_sure(state.learner.params))
+    state = state.replace(learner=learner, updates=jnp.int32(0))
     config = quick(**changes, num_steps=5, num_epochs=1, num_minibatches=1)
     assert isinstance(config, PPOConfig)
     networks = make_actor_critics(env, config)
@@ -190,6 +196,21 @@ def test_learning_computes_what_acting_did(changes: dict[str, Any]) -> None:
     assert float(losses["value_loss"]) == pytest.approx(
         0.5 * float(jnp.square(batch.advantage).mean()), rel=1e-3, abs=1e-7
     )
+
+
+def test_preferences_differ_between_environments_and_fall_to_zero_halfway() -> None:
+    config = PPOConfig(preference_noise=2.0, total_timesteps=100 * 64 * 125, num_envs=64)
+    config = config.model_copy(update={"num_steps": 125})
+    assert config.num_updates == 100
+
+    def deviation(updates: int) -> float:
+        drawn = draw_preferences(jax.random.key(updates), 64, 9, jnp.int32(updates), config)
+        assert drawn.shape == (64, 9)
+        return float(drawn.std())
+
+    assert deviation(0) == pytest.approx(2.0, rel=0.15)  # 576 draws: five standard errors
+    assert deviation(25) == pytest.approx(1.0, rel=0.15)
+    assert deviation(50) == deviation(75) == 0.0
 
 
 def test_values_follow_the_rewards_of_each_agent() -> None:

@@ -43,6 +43,8 @@ class Batch:
     target: Array  # [L, M, N] float32, of the value
     # [L, M, N, bytes] uint8, packed; in a minibatch [L, m, S, A] bool; None: all
     allowed: Array | None = None
+    # [L, M, A] float32, added to the logits of all agents; None: none
+    preferences: Array | None = None
 
 
 def chosen_log_probability(logits: Array, action: Array) -> Array:

@@ -1,0 +1,33 @@
+"""Exploration by random preferences among actions, which all agents of an environment share."""
+
+import jax
+import jax.numpy as jnp
+from jax import Array
+
+from ..devices.data_parallel import own_keys
+from ..settings.config import PPOConfig
+
+DURATION = 0.5  # of a run, after which there are none
+
+
+def draw_preferences(
+    key: Array, num_envs: int, num_actions: int, updates: Array, config: PPOConfig
+) -> Array:
+    """Returns what is added to the logits of all agents in each environment: `[B, A]` float32.
+
+    It stays the same for a whole rollout, so that the agents of an environment do something
+    together that agents who each draw their own actions hardly ever do, such as cleaning a river.
+    Policies learn to act well with such preferences, which disappear halfway through the run.
+    Noise that lasts for many steps explores more than noise of single steps does: Plappert et al.
+    2018, "Parameter space noise for exploration"; theirs is in all parameters, and not learnt from
+    on-policy.
+
+    Args:
+      key: consumed.
+      updates: `[]` int32, updates done.
+    """
+    done = updates / (DURATION * config.num_updates)
+    deviation = config.preference_noise * jnp.maximum(1.0 - done, 0.0)
+    keys = own_keys(key, num_envs)
+    drawn = jax.vmap(lambda env_key: jax.random.normal(env_key, (num_actions,)))(keys)
+    return deviation * drawn
