@@ -55,9 +55,8 @@ def test_other_numbers(name: str, params: dict) -> None:
 GAMES = sorted((HERE / "games").glob("*.sj"))
 CASES = sorted((HERE.parent / "cases").glob("*.sj"))
 BY_XLA = (
-    "rows_by_agent",
-    "worlds",
-)  # compiled in each run of the tests; the others in the thorough ones: it takes longer than all else
+    "worlds"  # compiled in each run; the others in the thorough ones: it takes longer than all else
+)
 
 
 @pytest.mark.parametrize(
@@ -65,7 +64,7 @@ BY_XLA = (
 )
 def test_every_construct(path: Path) -> None:
     """Small crowded games that use every statement, domain and expression; the module runs on NumPy."""
-    play_on_numpy(path, 30)
+    play_on_numpy(path, 20)
 
 
 @pytest.mark.parametrize("name", main_games())
@@ -88,7 +87,7 @@ def play_on_numpy(path: Path, steps: int) -> None:
 )
 @pytest.mark.parametrize(
     "path",
-    [pytest.param(p, marks=[] if p.stem in BY_XLA else pytest.mark.thorough) for p in GAMES],
+    [pytest.param(p, marks=[] if p.stem == BY_XLA else pytest.mark.thorough) for p in GAMES],
     ids=lambda p: p.stem,
 )
 def test_every_construct_compiled_by_xla(path: Path, seeds: tuple[int, ...]) -> None:
