@@ -24,7 +24,7 @@ from tests.fuzz.together import interpret, on_numpy, random_play, run
 from tests.games.environments import HARVESTS
 from tests.laws.symmetry import STEPS
 
-FEW = 6  # random programs in a test; `python -m tests.laws.campaign` tries more
+FEW = 4  # random programs in a test; `python -m tests.laws.campaign` tries more
 SOME_OF_NINE = [  # the others of the nine come with the thorough tests
     "coins",
     "clean_up",
