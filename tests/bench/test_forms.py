@@ -1,5 +1,7 @@
 """Which forms of the games are measured: with many agents too, both observations; nothing is compiled by XLA here."""
 
+import pytest
+
 from bench.speed.__main__ import forms_of
 from tests.games.environments import NINE
 

@@ -79,9 +79,7 @@ def test_a_recorded_episode_is_replayed_with_its_tasks(
 
 
 SIDES: dict[str, dict[str, Any]] = {
-    "training": {},
     "late": {"tasks": "held_out", "split": "late"},
-    "red": {"tasks": {"feeding": "red", "pay": {"green": 4}}},
     "problem": {"problem": 906},
 }
 

@@ -33,9 +33,9 @@ def test_random_programs() -> None:
 def test_lots() -> None:
     """Who of several wins a lot depends on what they drew, not on their numbers."""
     game = build(read_source(GAMES / "on_numpy" / "lots.sj")).game
-    tried = trials([(number, game) for number in range(8)], renamed, steps=5, compiled=True)
+    tried = trials([(number, game) for number in range(4)], renamed, steps=5, compiled=True)
     assert not tried.fault
-    assert tried.steps >= 30
+    assert tried.steps >= 15
 
 
 def test_movers() -> None:

@@ -100,13 +100,15 @@ def number_of(family: GameFamily, check_text: str) -> int:
     return found[0]
 
 
-SLOW = {  # whose checks take seconds
+SLOW = {  # whose checks take seconds, and one with the rules of stag_hunt
+    "chicken",
     "clean_up",
     "coop_mining",
     "gift_refinement",
     "harvest_closed",
     "harvest_partnership",
     "mushrooms",
+    "open_clean_up",
 }
 SLOW_EXPECTATIONS = {"open_clean_up", "stag_chase"}
 
