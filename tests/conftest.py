@@ -20,10 +20,10 @@ QUICK_TO_COMPILE = "--xla_cpu_use_fusion_emitters=false --xla_cpu_parallel_codeg
 LONGEST = (
     "properties/test_games.py",
     "differential/test_equal.py",
-    "compiler/test_growth.py",
+    "sweeps/test_sweep.py",
     "trainers/test_ppo_update.py",
     "trainers/test_own_algorithms.py",
-    "cli/test_cli_tasks.py",
+    "compiler/test_growth.py",
     "trainers/test_hooks.py",
     "properties/test_planted.py",
     "games/test_contract.py",
