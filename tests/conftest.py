@@ -1,6 +1,7 @@
 """What tests of several folders share: strict JAX, programs compiled once, memory given back, and goldens that can be written anew."""
 
 import ctypes
+import functools
 import gc
 import os
 import sys
@@ -10,37 +11,38 @@ from pathlib import Path
 import hypothesis
 import jax
 import pytest
+from jax._src.interpreters import mlir
 from jax.experimental.compilation_cache import compilation_cache
 
 # Half the seconds of compiling, and the programs run as fast: two of XLA's ways to make fast programs that tests do not need.
 QUICK_TO_COMPILE = "--xla_cpu_use_fusion_emitters=false --xla_cpu_parallel_codegen_split_count=1"
 # The files that take longest, of which the workers take the first ones first: a long one that comes last keeps one of them waiting.
 LONGEST = (
-    "games/test_contract.py",
+    "properties/test_games.py",
     "differential/test_equal.py",
+    "sweeps/test_sweep.py",
+    "trainers/test_ppo_update.py",
+    "trainers/test_own_algorithms.py",
+    "compiler/test_growth.py",
+    "trainers/test_hooks.py",
+    "properties/test_planted.py",
+    "games/test_contract.py",
     "experiments/test_crossplay.py",
     "manual/test_manual.py",
-    "runtime/test_placing.py",
-    "properties/test_games.py",
-    "fuzz/test_programs.py",
-    "trainers/test_ppo_update.py",
-    "trainers/test_networks.py",
-    "trainers/test_resuming.py",
-    "trainers/test_probe_learning.py",
     "cli/test_transcripts.py",
-    "games/test_numbers_of_agents.py",
-    "games/test_scripted_policies.py",
-    "runtime/test_environment.py",
-    "bench/test_bench.py",
-    "doc/test_sheets.py",
-    "policies/test_equal.py",
-    "differential/test_on_numpy.py",
-    "statistics/test_independence.py",
-    "trainers/test_train_run.py",
-    "trainers/test_vdn.py",
-    "render/test_episodes.py",
-    "notebooks/test_notebooks.py",
+    "compiler/test_limits.py",
+    "experiments/test_schelling.py",
+    "runtime/test_splits.py",
+    "trainers/test_memory_reads.py",
+    "runtime/test_placing.py",
     "fuzz/test_found.py",
+    "differential/test_on_numpy.py",
+    "render/test_episodes.py",
+    "trainers/test_vdn.py",
+    "trainers/test_resuming.py",
+    "runtime/test_environment.py",
+    "studio/test_access.py",
+    "trainers/test_train_run.py",
 )
 MUCH_MEMORY = 1_400_000_000  # bytes of a worker, beyond which it gives back what it can between files: a second, and all is compiled anew
 
@@ -89,6 +91,8 @@ def pytest_configure(config: pytest.Config) -> None:
     else:
         settings["jax_disable_most_optimizations"] = True
         os.environ["XLA_FLAGS"] = f"{os.environ.get('XLA_FLAGS', '')} {QUICK_TO_COMPILE}".strip()
+    # Each program is lowered in an MLIR context of its own, which takes half the time of a small program.
+    mlir.make_ir_context = functools.cache(mlir.make_ir_context)
     for name, value in settings.items():
         os.environ[name.upper()] = str(value)
         jax.config.update(name, value)
@@ -142,6 +146,7 @@ def pytest_runtest_teardown(item: pytest.Item, nextitem: pytest.Item | None) -> 
         compilation_cache.reset_cache()
     if _resident_bytes() > MUCH_MEMORY:
         jax.clear_caches()
+        mlir.make_ir_context.cache_clear()
         gc.collect()
         if sys.platform == "linux":
             ctypes.CDLL(None).malloc_trim(0)  # else the C library keeps it

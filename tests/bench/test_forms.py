@@ -1,5 +1,7 @@
 """Which forms of the games are measured: with many agents too, both observations; nothing is compiled by XLA here."""
 
+import pytest
+
 from bench.speed.__main__ import forms_of
 from tests.games.environments import NINE
 
@@ -20,6 +22,7 @@ def test_a_game_without_room_comes_as_its_crowd_and_one_that_refuses_is_named() 
     )
 
 
+@pytest.mark.thorough
 def test_all_nine_but_coins_come_with_twenty_agents() -> None:
     tasks, refused = forms_of(NINE, ["tokens"], crowd=True)
     crowds = [task for task in tasks if task.crowd]

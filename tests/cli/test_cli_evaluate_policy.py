@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 from command_line import Sjdsl
@@ -14,10 +15,24 @@ PLAYED = ("--game", "grove.sj", "--episodes", "3", "--seed", "4")
 pytestmark = pytest.mark.usefixtures("grove")
 
 
-def test_a_stored_policy_is_the_evaluation_of_its_run(sjdsl: Sjdsl, folder: Path) -> None:
-    described = EnvironmentOptions().describe("grove.sj")
-    file = store(folder / "runs/one", make_environment(described), 0)
+@pytest.fixture
+def described() -> dict[str, Any]:
+    return EnvironmentOptions().describe("grove.sj")
+
+
+@pytest.fixture
+def file(folder: Path, grove: None, described: dict[str, Any]) -> Path:
+    """A policy, stored as that of a run."""
+    del grove
+    stored = store(folder / "runs/one", make_environment(described), 0)
     (folder / "runs/one/manifest.json").write_text(json.dumps({"provenance": described}))
+    return stored
+
+
+@pytest.mark.thorough
+def test_a_stored_policy_is_the_evaluation_of_its_run(
+    sjdsl: Sjdsl, folder: Path, file: Path, described: dict[str, Any]
+) -> None:
     alone = sjdsl("evaluate", file, *PLAYED, "--drawn", "-o", "alone.json")
     run = sjdsl("evaluate", "runs/one", "--drawn", "--episodes", "3", "--seed", "4")
     assert (alone.status, run.status) == (0, 0), alone.text + run.text
@@ -44,6 +59,9 @@ def test_a_stored_policy_is_the_evaluation_of_its_run(sjdsl: Sjdsl, folder: Path
     later = json.loads((folder / "runs/one/evaluation.json").read_text())
     assert (later["episodes"], later["update"]) == (2, 7)
     assert here["digest"]
+
+
+def test_what_cannot_be_evaluated_is_refused(sjdsl: Sjdsl, folder: Path, file: Path) -> None:
     (folder / "orchard.sj").write_text(
         (folder / "grove.sj").read_text().replace("game grove", "game orchard")
     )

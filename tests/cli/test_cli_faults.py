@@ -6,10 +6,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from command_line import Sjdsl
+from command_line import GAME, Sjdsl
 
 from sjdsl.cli import check, run
-from sjdsl.library.games_folder import find_game
 
 
 def test_an_interrupt_is_one_line(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -54,19 +53,12 @@ def test_help_lists_the_commands_without_importing_them() -> None:
 
 
 def test_no_help_and_nothing_that_only_reads_a_game_waits_for_jax(tmp_path: Path) -> None:
-    (tmp_path / "coins.sj").write_text(find_game("coins").read_text())
-    calls = [
-        "check coins",
-        "fmt coins.sj",
-        "doc coins",
-        "diff coins pd_arena",
-        "trace coins --steps 2 --param length=9",
-        "list",
-        "explain SJ101",
-    ]
+    """`test_transcripts.py` says the same of `check`, `compile`, `diff`, `trace` and `explain`."""
+    (tmp_path / "orchard.sj").write_text(GAME)
     program = (
         "import sys; from sjdsl.cli import COMMANDS, run\n"
-        f"assert not any(run([name, '--help']) for name in COMMANDS); assert not any(run(call.split()) for call in {calls})\n"
+        "assert not any(run([name, '--help']) for name in COMMANDS)\n"
+        "assert not any(run([name, 'orchard.sj']) for name in ('fmt', 'doc'))\n"
         "assert not {'jax', 'flax', 'matplotlib', 'hypothesis'} & set(sys.modules), set(sys.modules)"
     )
     done = subprocess.run(
@@ -76,7 +68,7 @@ def test_no_help_and_nothing_that_only_reads_a_game_waits_for_jax(tmp_path: Path
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no such pipe")
-@pytest.mark.parametrize("arguments", ["check game.sj", "list", "--help"])
+@pytest.mark.parametrize("arguments", ["check game.sj", "--help"])
 def test_a_reader_that_has_closed_gets_no_traceback(arguments: str, tmp_path: Path) -> None:
     """As with `sjdsl check game.sj | head`: the command ends without a word on the standard error."""
     (tmp_path / "game.sj").write_text("sj 1\ngame game {\n  kind\n}\n")

@@ -206,11 +206,12 @@ def alike(first: Moment, second: Moment) -> bool:
 @pytest.mark.parametrize(
     ("game", "others"),
     [
-        (ORCHARD, "random"),
         (ORCHARD, "eater"),
-        ("clean_up", "random"),
         ("coins", "random"),
-        (TESTS / "cases/moving.sj", "random"),
+        *(
+            pytest.param(game, "random", marks=pytest.mark.thorough)
+            for game in (ORCHARD, "clean_up", TESTS / "cases/moving.sj")
+        ),
     ],
     ids=str,
 )

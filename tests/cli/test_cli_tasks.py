@@ -64,6 +64,7 @@ def test_a_game_without_a_task_says_so(capsys: pytest.CaptureFixture[str]) -> No
     assert "coins has no task" in capsys.readouterr().err
 
 
+@pytest.mark.thorough
 def test_a_recorded_episode_is_replayed_with_its_tasks(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -78,11 +79,7 @@ def test_a_recorded_episode_is_replayed_with_its_tasks(
 
 
 SIDES: dict[str, dict[str, Any]] = {
-    "training": {},
-    "all": {"tasks": "all"},
     "late": {"tasks": "held_out", "split": "late"},
-    "rich": {"tasks": "held_out", "split": "rich"},
-    "red": {"tasks": {"feeding": "red", "pay": {"green": 4}}},
     "problem": {"problem": 906},
 }
 

@@ -81,7 +81,7 @@ def test_an_interruption_leaves_a_summary(
     when: str, decided: set[str], not_yet: set[str], sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     interrupting(monkeypatch, when)
-    shown = sjdsl("test", "checked.sj", "--seed", "1")
+    shown = sjdsl("test", "checked.sj", "--seed", "1", "--examples", "20")
     assert shown.status == 130
     assert "Traceback" not in shown.text
     lines = shown.out.splitlines()

@@ -73,7 +73,7 @@ LONG = {
 @pytest.mark.parametrize("name", LONG)
 def test_twice_the_text_is_twice_the_work(name: str) -> None:
     calls(LONG[name](10))  # builds what is built once
-    short, middle, long = (calls(LONG[name](number)) for number in (50, 100, 200))
+    short, middle, long = (calls(LONG[name](number)) for number in (30, 60, 120))
     assert long - middle < 2.5 * (middle - short)  # in proportion 2; as the square 4
 
 

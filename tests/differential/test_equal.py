@@ -1,7 +1,7 @@
 """The compiled step equals the reference interpreter: every field, observation, reward, event and metric of every step.
 
-Every bundled game in every variant is compared in `tests/games/test_contract.py`, over whole episodes; here are small games that use
-every construct, and the bundled ones with other numbers than any variant has.
+`tests/games/test_contract.py` plays whole episodes of bundled games and variants; here are small games that use every construct, and the
+bundled ones for a few steps, and with other numbers than any variant has.
 """
 
 from pathlib import Path
@@ -13,6 +13,7 @@ import sjdsl
 from sjdsl.compiler import build
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.interpreter.numbers import real
+from sjdsl.library.games_folder import find_game, main_games
 from tests.differential.compare import Report, run
 from tests.fuzz import together as quick
 
@@ -54,9 +55,8 @@ def test_other_numbers(name: str, params: dict) -> None:
 GAMES = sorted((HERE / "games").glob("*.sj"))
 CASES = sorted((HERE.parent / "cases").glob("*.sj"))
 BY_XLA = (
-    "rows_by_agent",
-    "worlds",
-)  # compiled in each run of the tests; the others in the thorough ones: it takes longer than all else
+    "worlds"  # compiled in each run; the others in the thorough ones: it takes longer than all else
+)
 
 
 @pytest.mark.parametrize(
@@ -64,12 +64,22 @@ BY_XLA = (
 )
 def test_every_construct(path: Path) -> None:
     """Small crowded games that use every statement, domain and expression; the module runs on NumPy."""
+    play_on_numpy(path, 20)
+
+
+@pytest.mark.parametrize("name", main_games())
+def test_every_bundled_game(name: str) -> None:
+    play_on_numpy(find_game(name), 15)
+
+
+def play_on_numpy(path: Path, steps: int) -> None:
+    """Asserts that the module of a game, on NumPy, and the interpreter take the same steps."""
     game = build(read_source(path)).game
-    play = quick.random_play(game, seed=0, steps=30)
+    play = quick.random_play(game, seed=0, steps=steps)
     history = quick.interpret(game, play)
     report = quick.run(quick.on_numpy(game), play, history)
     assert not report.differences, report.differences
-    assert report.steps == 30
+    assert report.steps == steps
 
 
 @pytest.mark.parametrize(
@@ -77,7 +87,7 @@ def test_every_construct(path: Path) -> None:
 )
 @pytest.mark.parametrize(
     "path",
-    [pytest.param(p, marks=[] if p.stem in BY_XLA else pytest.mark.thorough) for p in GAMES],
+    [pytest.param(p, marks=[] if p.stem == BY_XLA else pytest.mark.thorough) for p in GAMES],
     ids=lambda p: p.stem,
 )
 def test_every_construct_compiled_by_xla(path: Path, seeds: tuple[int, ...]) -> None:

@@ -13,7 +13,7 @@ GAMES = sorted((Path(__file__).parent / "on_numpy").glob("*.sj"))
 @pytest.mark.parametrize("seed", [TRACED, pytest.param(TRACED + 1, marks=pytest.mark.thorough)])
 @pytest.mark.parametrize("path", GAMES, ids=lambda path: path.stem)
 def test_interpreter_and_compiled_agree(path: Path, seed: int) -> None:
-    (verdict,) = judge(Program(path.read_text("utf-8")), seed=seed, steps=30, jit=False)
+    (verdict,) = judge(Program(path.read_text("utf-8")), seed=seed, steps=20, jit=False)
     assert verdict.accepted, verdict.messages
     assert not verdict.fault
-    assert verdict.steps == 30
+    assert verdict.steps == 20

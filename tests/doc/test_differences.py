@@ -1,6 +1,6 @@
 """`differences`: one pair of small programs for each sort of difference, the variants of the games, and nothing left out."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import pytest
@@ -329,8 +329,11 @@ def without_one(c: Composition) -> Iterator[tuple[str, Composition]]:
         yield "window", replace(c, windows=())
 
 
-def test_no_declaration_is_lost_without_a_difference() -> None:
-    for written in (small() | manual()).values():
+@pytest.mark.parametrize("programs", [small, pytest.param(manual, marks=pytest.mark.thorough)])
+def test_no_declaration_is_lost_without_a_difference(
+    programs: Callable[[], dict[str, Written]],
+) -> None:
+    for written in programs().values():
         for name, left in without_one(written.composition):
             ((what, *lines),) = differences(written, replace(written, composition=left)).values()
             assert what == (name or "checks")

@@ -14,7 +14,7 @@ from sjdsl.experiments.contrasts import (
 )
 from sjdsl.experiments.verdict import judge, share_that_may_differ
 
-DATA_SETS = 2000
+DATA_SETS = 1000
 
 
 def returns_of(
@@ -170,7 +170,7 @@ USUAL = (
     [name if name in USUAL else pytest.param(name, marks=pytest.mark.thorough) for name in LINES],
 )
 def test_the_four_intervals_hold_together(game: str, units: int) -> None:
-    """At least 95 % of 2,000 data sets, less three standard errors of such a share."""
+    """At least 95 % of 1,000 data sets, less three standard errors of such a share."""
     c, d = LINES[game]
     truth = {"A": c[-1] - d[0], "B": c[-1] - c[0], "fear": d[0] - c[0], "greed": d[-1] - c[-1]}
     held = 0
@@ -185,7 +185,7 @@ def test_the_four_intervals_hold_together(game: str, units: int) -> None:
 def test_verdicts_at_the_border_are_seldom_wrong(
     cooperating: tuple[float, float], defecting: tuple[float, float]
 ) -> None:
-    """R = P, and neither fear nor greed (T = R, P < S), which is no dilemma: the other verdict in at most 5 % of 2,000 data sets."""
+    """R = P, and neither fear nor greed (T = R, P < S), which is no dilemma: the other verdict in at most 5 % of 1,000 data sets."""
     outcomes = [
         judge_fast(samples)
         for samples in noisy(np.random.default_rng(5), DATA_SETS, cooperating, defecting, 1.0, 12)

@@ -9,13 +9,13 @@ import jax.numpy as jnp
 import numpy as np
 
 from sjdsl import Environment, make
+from sjdsl.testing import Stage
 
 HARVESTS = ("harvest_open", "harvest_closed", "harvest_partnership")
 FIVE = ("coins", *HARVESTS, "clean_up")
 NINE = (*FIVE, "coop_mining", "gift_refinement", "mushrooms", "pd_arena")
 
 Cell = tuple[int, int]
-# Scenes of variants: unless all tests are asked for, the interpreter plays them alone. The rules as they stand are compiled as well.
 BRIEFLY = "SJDSL_ALL_TESTS" not in os.environ
 
 
@@ -27,6 +27,14 @@ def environment(game: str, variant: str | None = None, agents: int | None = None
 @cache
 def _environment(game: str, variant: str | None, agents: int | None) -> Environment:
     return make(game, variant=variant, num_agents=agents)
+
+
+def stage_of(game: str, *board: Any, **settings: Any) -> Stage:
+    """Returns a stage where the interpreter takes the steps; with all tests, the compiled game does too.
+
+    `tests/differential/test_equal.py` plays each game on both.
+    """
+    return Stage(game, *board, interpreted=BRIEFLY, **settings)
 
 
 @cache

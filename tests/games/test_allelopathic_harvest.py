@@ -7,10 +7,10 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sjdsl.testing import Scene, Stage
+from sjdsl.testing import Scene
 
 from .chance import BATCH, assert_share, distance, many
-from .environments import cells_of, placed
+from .environments import cells_of, placed, stage_of
 
 pytestmark = pytest.mark.optimised
 
@@ -20,7 +20,7 @@ LOOKS = {
     "G": "bush colour=green fruit=ripe",
     "B": "bush colour=blue fruit=ripe",
 }
-STAGE = Stage("allelopathic_harvest", ROWS, 3, looks=LOOKS)
+STAGE = stage_of("allelopathic_harvest", ROWS, 3, looks=LOOKS)
 STAY = 6
 SMALLEST_CHANCE = {"growth": 0}
 
@@ -182,6 +182,7 @@ def test_hits_are_forgotten_after_fifty_steps() -> None:
 # Growth, counted
 
 
+@pytest.mark.thorough
 def test_a_berry_ripens_the_faster_the_more_have_its_colour() -> None:
     """In proportion; not while it is young, not under an agent; each bush for itself. Source: Melting Pot."""
     env, steps = STAGE.env, 16 * BATCH

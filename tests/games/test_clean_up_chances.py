@@ -90,6 +90,7 @@ def test_growth_falls_with_dirt(
         assert_share(grown.sum(), ORCHARD * rounds * BATCH, exact, 0.1)
 
 
+@pytest.mark.thorough
 def test_new_dirt_in_half_of_the_steps_from_the_fiftieth_on() -> None:
     """Never more than one cell; not before 50 steps are over."""
     env = environment("clean_up")
@@ -103,6 +104,7 @@ def test_new_dirt_in_half_of_the_steps_from_the_fiftieth_on() -> None:
     assert counted(9, state_with(WATER, step=50), STAYS, env.params, 4)["some"] == 0
 
 
+@pytest.mark.thorough
 def test_as_released_dirt_waits_a_step_more_and_is_lost_on_covered_cells() -> None:
     """Of 49 clean cells seven are under agents: where one of them is drawn, none turns dirty. Source: the released code."""
     env = environment("clean_up", "socialjax")

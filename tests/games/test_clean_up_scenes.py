@@ -2,11 +2,13 @@
 
 import pytest
 
-from sjdsl.testing import Scene, Stage
+from sjdsl.testing import Scene
+
+from .environments import stage_of
 
 LOOKS = {"b": "orchard fruit=ripe"}
 # 18 cells of water and 2 of channel: 8 dirty cells are a fraction of 0.4
-STAGE = Stage(
+STAGE = stage_of(
     "clean_up",
     ("HHHHHHS", "HHHHHHS", "HHHH#HH", ".......", "PPP.#..", "BBBBBBB", "BBBBBBB"),
     3,

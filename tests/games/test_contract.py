@@ -1,6 +1,7 @@
 """What every program keeps to: shapes and dtypes, one agent a cell, whole episodes, one key one result; all of it as the interpreter says.
 
-Every bundled game, variant and crowd is played, see `found` and `plays`; a run is one `jit` of a `vmap` of a `scan` of `step`.
+Three games are played, and with all tests every bundled game, variant and crowd, see `found` and `plays`; a run is one `jit` of a `vmap`
+of a `scan` of `step`. `tests/differential/test_equal.py` plays all games for a few steps, on NumPy.
 """
 
 from collections.abc import Iterator
@@ -13,15 +14,15 @@ import pytest
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import counts_of
 from sjdsl.interpreter.observe import observe
-from sjdsl.interpreter.state import Outcome, World, default_params
+from sjdsl.interpreter.state import Outcome, World
 from sjdsl.interpreter.step import reset, step
 from sjdsl.interpreter.threefry import Threefry
 from sjdsl.testing.engines import interpreter_params
 from tests.differential.compare import Report, compare, compare_outcome
 from tests.differential.worlds import world_of
 
-from .environments import HARVESTS, NINE, environment, places
-from .found import Form, forms, programs, rules_of
+from .environments import BRIEFLY, HARVESTS, NINE, environment, places
+from .found import Form, programs, rules_of
 from .plays import AFTER, Play, played
 
 # number of actions and of agents. Source: the released code; the agents of Coop Mining, Gift, Mushrooms and PD as decided for this project
@@ -55,24 +56,26 @@ TOGETHER = 10  # steps that both engines take from a start
 SAMPLED = 6  # steps that both engines take from wherever a run has come to, beside those in which something is counted
 
 
-def is_rare(form: Form) -> bool:
-    """Returns whether a form is played only with all tests: crowds (see `tests/differential/test_twenty_agents.py`), most variants, and
-    games that have tests of their own beside the nine, or the rules of another on another map."""
-    usual = form.variant is None or (form.game, form.variant) == ("clean_up", "socialjax")
-    return (
-        form.agents is not None or not usual or form.game not in NINE or form.game in HARVESTS[1:]
-    )
-
-
-def how_often(form: Form) -> list[pytest.MarkDecorator]:
-    if is_rare(form):
-        return [pytest.mark.slow]
-    return [pytest.mark.thorough] if form.variant else []
-
-
-@pytest.fixture(
-    scope="module", params=[pytest.param(f, marks=how_often(f)) for f in programs()], ids=str
+USUAL = tuple(map(Form, ("coins", "clean_up", "pd_arena")))
+SELDOM = (
+    *map(Form, ("harvest_open", "coop_mining", "gift_refinement", "mushrooms")),
+    Form("clean_up", "socialjax"),
 )
+
+
+def forms() -> list[Any]:
+    """Returns three games, more with the thorough tests, and with all tests every program.
+
+    To know which forms are programs of their own, all of them are built: that takes as long as playing the three.
+    """
+    thorough = [pytest.param(form, marks=pytest.mark.thorough) for form in SELDOM]
+    if BRIEFLY:
+        return [*USUAL, *thorough]
+    others = [form for form in programs() if form not in USUAL + SELDOM]
+    return [*USUAL, *thorough, *(pytest.param(form, marks=pytest.mark.slow) for form in others)]
+
+
+@pytest.fixture(scope="module", params=forms(), ids=str)
 def form(request: pytest.FixtureRequest) -> Form:
     """Of module scope, so that the tests of one form follow one another and share its runs."""
     return request.param
@@ -229,13 +232,6 @@ def test_it_plays_as_the_interpreter_says(form: Form) -> None:
             world = both_step(play, run, t, world)
         for t in steps_of_interest(play, run):
             both_step(play, run, t, world_of(play.env, play.state(run, t), given(play, run)))
-
-
-@pytest.mark.parametrize("variant", [form for form in forms() if form not in programs()], ids=str)
-def test_a_variant_of_numbers_only_has_its_numbers(variant: Form) -> None:
-    """Its program is another form's, which is played above."""
-    env = environment(*variant)
-    assert interpreter_params(env, env.params) == default_params(rules_of(variant))
 
 
 def test_the_next_episode_starts_as_the_interpreter_says(form: Form) -> None:

@@ -6,19 +6,18 @@ import pytest
 
 from sjdsl.testing import Scene, Stage
 
-from .environments import BRIEFLY
+from .environments import stage_of
 
 ROWS = ("OOOOOOO", "OOOOOOO", "OOOOOOO", "OOOOOOO", "OOOOOOO", "OOOOO#O", "OOOOOOO", "PPPPPPP")
 EMPTY = "OOOOOOO"
 LOOKS = {"i": "rock ore=iron", "g": "rock ore=gold", "p": "rock ore=partial"}
 STAGES = {
-    variant: Stage(
+    variant: stage_of(
         "coop_mining",
         ROWS,
         6,
         variant=variant,
         looks=LOOKS,
-        interpreted=BRIEFLY and variant is not None,
     )
     for variant in (None, "socialjax")
 }

@@ -2,10 +2,10 @@
 
 import pytest
 
-from sjdsl.testing import Stage
+from .environments import stage_of
 
 ROWS = ("ff.DdlllD.ss", "...DrrruD...")
-STAGE = Stage("ferry", ROWS, 2, arrows="AWVE")
+STAGE = stage_of("ferry", ROWS, 2, arrows="AWVE")
 EMPTY = "...DrrruD..."
 
 

@@ -6,13 +6,13 @@ import pytest
 
 from sjdsl.testing import Scene, Stage
 
-from .environments import BRIEFLY
+from .environments import stage_of
 
 ROWS = ("TTTTTTTT", "TTTTTTTT", "TT#TTTTT", "TTTTTTTT", "PPPPPPPP")
 EMPTY = "TTTTTTTT"
 LOOKS = {"r": "ground token=raw"}
-DEFAULT = Stage("gift_refinement", ROWS, 5, looks=LOOKS)
-RELEASED = Stage("gift_refinement", ROWS, 5, variant="socialjax", looks=LOOKS, interpreted=BRIEFLY)
+DEFAULT = stage_of("gift_refinement", ROWS, 5, looks=LOOKS)
+RELEASED = stage_of("gift_refinement", ROWS, 5, variant="socialjax", looks=LOOKS)
 BOTH = pytest.mark.parametrize("stage", [DEFAULT, RELEASED], ids=["default", "socialjax"])
 LEVELS = ("raw", "cut", "fine")
 Bag = tuple[int, int, int]

@@ -5,12 +5,12 @@ import itertools
 import numpy as np
 import pytest
 
-from sjdsl.testing import Scene, Stage
+from sjdsl.testing import Scene
 
-from .environments import BRIEFLY
+from .environments import stage_of
 
 LOOKS = {"a": "soil fruit=none"}
-GROVE = Stage(
+GROVE = stage_of(
     "harvest_open",
     ("AAAAAA", "AAAAAA", "AAAAAA", "AAAAAA", "AAAAA#", "AAAA#A", "QQPP.."),
     2,
@@ -19,11 +19,9 @@ GROVE = Stage(
 SOIL = [(r, c) for r, row in enumerate(GROVE.map) for c, glyph in enumerate(row) if glyph == "A"]
 HOME = "QQ^>.."  # two agents out of the way
 RATES = ("regrow_1", "regrow_2", "regrow_3")  # chances with one, two, three or more apples near
-FIELD = Stage("harvest_open", ("QQPPPP", "....#.", "......", "......", "......", "......"), 4)
+FIELD = stage_of("harvest_open", ("QQPPPP", "....#.", "......", "......", "......", "......"), 4)
 GATES = {(0, c) for c in range(2, 6)}
-PATIENT = Stage(
-    "harvest_open", ("QQPP", "....", "...."), 2, params={"respawn_delay": 2}, interpreted=BRIEFLY
-)
+PATIENT = stage_of("harvest_open", ("QQPP", "....", "...."), 2, params={"respawn_delay": 2})
 
 # Source: SocialJax, harvest_open: the cells of a zap as (ahead, right) of the agent
 BEAM = {(1, 0), (2, 0), (1, 1), (1, -1)}

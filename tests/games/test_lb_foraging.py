@@ -9,11 +9,11 @@ import pytest
 from sjdsl.testing import Scene, Stage
 
 from .chance import BATCH, assert_shares, assert_uniform
-from .environments import environment, placed, places
+from .environments import environment, placed, places, stage_of
 
 GAME = "lb_foraging"
 ROWS = (".......", ".......", ".......", ".......", "PPPP...")
-STAGE = Stage(GAME, ROWS, 4)
+STAGE = stage_of(GAME, ROWS, 4)
 Cell = tuple[int, int]
 
 
@@ -132,6 +132,7 @@ def test_where_and_with_what_an_episode_begins() -> None:
     assert_uniform((food > 0).sum(axis=0), within=0.4)
 
 
+@pytest.mark.thorough
 def test_as_released_food_is_lost_where_it_cannot_lie() -> None:
     """Each of four tries draws one of 56 cells, 26 of them floor, and is lost on other cells and where food lies already."""
     env = environment(GAME, "socialjax")

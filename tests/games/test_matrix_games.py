@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from sjdsl.testing import Scene, Stage
+from sjdsl.testing import Scene
 
-from .environments import BRIEFLY
+from .environments import stage_of
 from .found import Form, rules_of, variants_of
 from .map_reading import read_map
 
@@ -15,7 +15,7 @@ GAMES = {
     "stag_hunt": (("stag", "hare"), ((4, 0), (2, 2))),
     "chicken": (("dove", "hawk"), ((3, 2), (5, 0))),
 }
-STAGES = {game: Stage(game, ROWS, 4, interpreted=BRIEFLY and game != "stag_hunt") for game in GAMES}
+STAGES = {game: stage_of(game, ROWS, 4) for game in GAMES}
 EACH = pytest.mark.parametrize("game", GAMES)
 
 

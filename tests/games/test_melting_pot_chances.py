@@ -60,6 +60,7 @@ def test_an_episode_ends_by_chance_after_whole_intervals(game: str) -> None:
     assert_share(sum(ends(least + 99, seed, 0.5) for seed in range(RUNS)), RUNS, 0.5, 0.4)
 
 
+@pytest.mark.thorough
 def test_of_three_miners_two_share() -> None:
     """Who comes third gets nothing, and the ore is gone; each of the three is left out equally often."""
     left_out: Counter[int] = Counter()

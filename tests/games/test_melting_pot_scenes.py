@@ -4,27 +4,25 @@ import pytest
 
 from sjdsl.testing import Stage
 
-from .environments import BRIEFLY
+from .environments import stage_of
 
 OPEN = (".......", ".......", ".......", ".......", ".......", "QQPPPPP")
 SHOOTER = (4, 3)  # looks north
-HARVEST = Stage("harvest_open", OPEN, 2, variant="meltingpot", interpreted=BRIEFLY)
-CROWDED = Stage("harvest_open", OPEN, 5, variant="meltingpot", interpreted=BRIEFLY)
-ROOM = Stage("harvest_closed", (".......", *OPEN), 2, variant="meltingpot", interpreted=BRIEFLY)
-RIVER = Stage(
+HARVEST = stage_of("harvest_open", OPEN, 2, variant="meltingpot")
+CROWDED = stage_of("harvest_open", OPEN, 5, variant="meltingpot")
+ROOM = stage_of("harvest_closed", (".......", *OPEN), 2, variant="meltingpot")
+RIVER = stage_of(
     "clean_up",
     ("HHHHH", "HHHHH", "HHHHH", "SSSSS", "BPPPP"),
     2,
     variant="meltingpot",
-    interpreted=BRIEFLY,
 )
-MINE = Stage(
+MINE = stage_of(
     "coop_mining",
     ("OOOOOO", "PPPPPP"),
     2,
     variant="meltingpot",
     looks={"i": "rock ore=iron"},
-    interpreted=BRIEFLY,
 )
 FOREST = Stage(
     "mushrooms", ("........", "........", "........"), 3, variant="meltingpot", interpreted=True
@@ -36,9 +34,7 @@ FIELDS = [
 ]
 ORCHARD = Stage("clean_up", ("HHHHS", "BPPPP"), 2, variant="meltingpot", interpreted=True)
 COINS = Stage("coins", ("PCCCC", "CCCCP"), 2, variant="meltingpot", interpreted=True)
-GIFT = Stage(
-    "gift_refinement", ("TTTTTTT", "PPPPPPP"), 3, variant="meltingpot", interpreted=BRIEFLY
-)
+GIFT = stage_of("gift_refinement", ("TTTTTTT", "PPPPPPP"), 3, variant="meltingpot")
 
 
 def nine(length: int) -> set[tuple[int, int]]:

@@ -6,12 +6,12 @@ import pytest
 
 from sjdsl.testing import Scene, Stage
 
-from .environments import BRIEFLY
+from .environments import stage_of
 
 ROWS = ("R.......", "........", "........", "........", "........", "........")
 EMPTY = "........"
-DEFAULT = Stage("mushrooms", ROWS, 5)
-RELEASED = Stage("mushrooms", ROWS, 5, variant="socialjax", interpreted=BRIEFLY)
+DEFAULT = stage_of("mushrooms", ROWS, 5)
+RELEASED = stage_of("mushrooms", ROWS, 5, variant="socialjax")
 STAGES = [DEFAULT, RELEASED]
 BOTH = pytest.mark.parametrize("stage", STAGES, ids=["default", "socialjax"])
 KINDS = ("red", "green", "blue", "orange")
@@ -92,8 +92,8 @@ def test_payments(stage: Stage, eaten: str, reward: list[float]) -> None:
 def test_what_is_shared_is_split(agents: int, green: float, blue: float) -> None:
     """The prices themselves, by the number of agents: red 1, green 2 and blue 3 in all, orange -0.2 for each."""
     for stage in (
-        Stage("mushrooms", agents=agents),
-        Stage("mushrooms", agents=agents, variant="socialjax"),
+        stage_of("mushrooms", agents=agents),
+        stage_of("mushrooms", agents=agents, variant="socialjax"),
     ):
         params = stage.env.params
         assert params.eater.tolist() == [1, 0, 0, 0]

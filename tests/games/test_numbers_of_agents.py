@@ -1,14 +1,12 @@
 """How many agents a game admits: from 2 up to the starts of its map; one more, or one alone, is refused with the reason."""
 
 import re
-from typing import Any
 
 import pytest
 
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 
-from .environments import NINE
-from .found import Form, forms, rules_of
+from .found import Form, rules_of, variants_of
 
 # the most agents, and why not one more. Sources: the starts of the published maps; for Coins the paper; 64 is a limit of the language
 MOST = {
@@ -35,16 +33,6 @@ MOST_OF_A_CROWD = {
 }
 
 
-def seldom(form: Form) -> Any:
-    """Variants of one map have one answer: most of them come with the thorough tests."""
-    return (
-        form if form.variant in (None, "crowd") else pytest.param(form, marks=pytest.mark.thorough)
-    )
-
-
-NAMED = [seldom(form) for form in forms() if form.game in NINE and form.agents is None]
-
-
 def most_of(form: Form) -> tuple[int, str]:
     crowded = form.variant == "crowd" or form in (
         Form("harvest_closed", "meltingpot"),
@@ -60,10 +48,22 @@ def refusal(form: Form) -> str:
     return "; ".join(f"{d.code} {d.message}" for d in refused.value.diagnostics)
 
 
-@pytest.mark.parametrize("form", NAMED, ids=str)
+@pytest.mark.parametrize(
+    "form", [*map(Form, MOST), *(Form(game, "crowd") for game in MOST_OF_A_CROWD)], ids=str
+)
 def test_up_to_the_starts_of_the_map(form: Form) -> None:
+    check_numbers(form)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("game", MOST)
+def test_variants_of_a_map_admit_as_many(game: str) -> None:
+    for variant in variants_of(game):
+        check_numbers(Form(game, variant))
+
+
+def check_numbers(form: Form) -> None:
     most, reason = most_of(form)
-    for number in {2, (2 + most) // 2, most}:
-        assert rules_of(form._replace(agents=number)).agents.number == number
+    assert rules_of(form._replace(agents=most)).agents.number == most
     assert re.search(reason, refusal(form._replace(agents=most + 1)))
     assert "`players` is 1, outside 2 .." in refusal(form._replace(agents=1))

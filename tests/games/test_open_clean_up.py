@@ -4,13 +4,15 @@ from typing import Any
 
 import pytest
 
-from sjdsl.testing import Scene, Stage
+from sjdsl.testing import Scene
+
+from .environments import stage_of
 
 THINGS = ("flint", "cord", "reed", "clay")  # the stations 1, 2, 3 and 4
 RECIPES = {"red": 0, "yellow": 1, "green": 2, "cyan": 3, "purple": 4, "mid": 14, "dark": 15}
 LOOKS = {"m": "water state=mid", "d": "water state=dark"}
-RIVER = Stage("open_clean_up", ("HHH.", "HHH.", "SPPB"), 2, looks=LOOKS)
-STORE = Stage("open_clean_up", ("1234", "FHP.", "BPPP"), 2)
+RIVER = stage_of("open_clean_up", ("HHH.", "HHH.", "SPPB"), 2, looks=LOOKS)
+STORE = stage_of("open_clean_up", ("1234", "FHP.", "BPPP"), 2)
 CALM = {"pollution": 0.0, "best_rate": 0.0}
 
 
@@ -91,14 +93,14 @@ def test_waste_falls_after_fifty_one_steps_in_the_hue_of_the_episode(
 
 
 def test_no_waste_falls_where_somebody_stands() -> None:
-    stage = Stage("open_clean_up", ("HP..", "SPPB"), 2)
+    stage = stage_of("open_clean_up", ("HP..", "SPPB"), 2)
     for seed in range(3):
         scene = stage.put("^P..", "SPP<", step=60, seed=seed, params={"pollution": 1.0}).step()
         scene.has({"water.state": "clean"})
 
 
 def test_what_is_held_is_lost_at_the_end_of_a_trial_and_the_recipes_are_not() -> None:
-    stage = Stage("open_clean_up", ("FF1P", "HS2P", "BPPP"), 2, params={"length": 3})
+    stage = stage_of("open_clean_up", ("FF1P", "HS2P", "BPPP"), 2, params={"length": 3})
     for seed in range(4):
         scene = stage.start(seed)
         recipe = scene.value("recipe")

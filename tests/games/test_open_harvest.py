@@ -4,7 +4,9 @@ from typing import Any
 
 import pytest
 
-from sjdsl.testing import Scene, Stage
+from sjdsl.testing import Scene
+
+from .environments import stage_of
 
 HUES = ("red", "yellow", "green", "cyan", "purple")
 RANKS = ("best", "middling", "worst")
@@ -17,7 +19,7 @@ LOOKS = {
     "o": "tree fruit=overripe",
     "x": "tree fruit=rotted",
 }
-STAGE = Stage("open_harvest", ("111.", "111.", "PPPP"), 2, looks=LOOKS)
+STAGE = stage_of("open_harvest", ("111.", "111.", "PPPP"), 2, looks=LOOKS)
 NONE_GROWS = {"regrow_1": 0.0, "regrow_2": 0.0, "regrow_3": 0.0}
 
 
@@ -122,7 +124,7 @@ def test_who_is_hit_stands_at_a_gate_and_cannot_act_and_a_zap_needs_a_pause() ->
 
 
 def test_a_patch_has_one_hue_that_stays_for_all_trials_and_so_do_the_rules() -> None:
-    stage = Stage("open_harvest", ("123P", "456P"), 2, params={"length": 3})
+    stage = stage_of("open_harvest", ("123P", "456P"), 2, params={"length": 3})
     seen = set()
     for seed in range(6):
         scene = stage.start(seed)

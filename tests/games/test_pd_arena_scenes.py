@@ -6,14 +6,14 @@ import pytest
 
 from sjdsl.testing import Scene, Stage
 
-from .environments import BRIEFLY
+from .environments import stage_of
 
 ROWS = ("........", "..CD....", "........", "......#.", "........", "PPPPPPPP")
 EMPTY = "........"
 GATES = ROWS[-1]
 LOOKS = {"c": "patch class=coop stock=none", "d": "patch class=defect stock=none"}
-DEFAULT = Stage("pd_arena", ROWS, 4, looks=LOOKS)
-RELEASED = Stage("pd_arena", ROWS, 4, variant="socialjax", looks=LOOKS, interpreted=BRIEFLY)
+DEFAULT = stage_of("pd_arena", ROWS, 4, looks=LOOKS)
+RELEASED = stage_of("pd_arena", ROWS, 4, variant="socialjax", looks=LOOKS)
 STAGES = [DEFAULT, RELEASED]
 BOTH = pytest.mark.parametrize("stage", STAGES, ids=["default", "socialjax"])
 Bag = tuple[int, int]

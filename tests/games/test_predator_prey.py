@@ -7,6 +7,8 @@ import pytest
 
 from sjdsl.testing import Scene, Stage
 
+from .environments import stage_of
+
 pytestmark = pytest.mark.optimised
 
 FIELD = (
@@ -19,8 +21,8 @@ FIELD = (
     ".........",
     ".........",
 )
-STAGE = Stage("predator_prey", (*FIELD, "#########", "PPPPPP###", "XXXXXX###"), 6)
-LONG = replace(STAGE, interpreted=True)  # for hundreds of steps
+STAGE = stage_of("predator_prey", (*FIELD, "#########", "PPPPPP###", "XXXXXX###"), 6)
+BRIEF = replace(STAGE, params={"absence": 20})  # 200 steps otherwise
 
 
 def put(
@@ -159,22 +161,14 @@ def test_who_has_eaten_rests_five_steps() -> None:
     scene.step("forward").has({"agent.col": {0: 3}})
 
 
-def test_who_was_eaten_is_away_for_two_hundred_steps() -> None:
+def test_who_was_eaten_is_away_for_so_many_steps() -> None:
     """Prey come back to a nest with an empty mouth, predators to a lair."""
     fields = {"agent.mouth": {3: "holding"}}
-    scene = (
-        row("..>^.....", "03", fields=fields, stage=LONG)
-        .step("bite")
-        .step(times=199)
-        .has({"agent.away": {3: True}})
-    )
-    scene.step().has({"agent.away": {3: False}, "agent.row": {3: 9}, "agent.mouth": {3: "empty"}})
-    scene = (
-        row("..>>.....", "01", stage=LONG)
-        .step("bite")
-        .step(times=200)
-        .has({"agent.away": {1: False}, "agent.row": {1: 10}})
-    )
+    scene = row("..>^.....", "03", fields=fields, stage=BRIEF).step("bite").step(times=19)
+    scene.has({"agent.away": {3: True}}).step()
+    scene.has({"agent.away": {3: False}, "agent.row": {3: 9}, "agent.mouth": {3: "empty"}})
+    scene = row("..>>.....", "01", stage=BRIEF).step("bite").step(times=20)
+    scene.has({"agent.away": {1: False}, "agent.row": {1: 10}})
 
 
 # Grass

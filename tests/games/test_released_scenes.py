@@ -2,21 +2,18 @@
 
 import pytest
 
-from sjdsl.testing import Stage
-
-from .environments import BRIEFLY
+from .environments import stage_of
 
 FIELD = ("QQPPP", ".....", "..#..", ".....", ".....")
 RIVER = ("HHHHHS", "HHHHHS", "HHH#HH", "......", "PPP.#.", "BBBBBB")
-HARVEST = Stage("harvest_open", FIELD, 3, variant="socialjax", interpreted=BRIEFLY)
-CLEAN_UP = Stage("clean_up", RIVER, 3, variant="socialjax", interpreted=BRIEFLY)
-ORCHARD = Stage(
+HARVEST = stage_of("harvest_open", FIELD, 3, variant="socialjax")
+CLEAN_UP = stage_of("clean_up", RIVER, 3, variant="socialjax")
+ORCHARD = stage_of(
     "harvest_open",
     ("QQPPP", ".....", "..A..", ".A.A.", "....."),
     2,
     variant="socialjax",
     looks={"a": "soil fruit=none"},
-    interpreted=BRIEFLY,
 )
 
 
@@ -139,13 +136,12 @@ def test_an_agent_with_a_higher_number_writes_the_same_cell_as_it_was(
     assert scene.places()[2] == place
 
 
-LAST_COLUMN = Stage(
+LAST_COLUMN = stage_of(
     "harvest_open",
     ("QQPPP", ".....", "...AA", "...A.", "....."),
     2,
     variant="socialjax",
     looks={"a": "soil fruit=none"},
-    interpreted=BRIEFLY,
 )
 SURE = {"regrow_1": 1, "regrow_2": 1, "regrow_3": 1}
 NEVER = dict.fromkeys(SURE, 0)
@@ -212,9 +208,7 @@ def test_cleaning_beside_others_and_past_the_edge(
 
 def test_dirt_under_agents_is_not_cleaned() -> None:
     """The map has dirt where agent 1 stands."""
-    stage = Stage(
-        "clean_up", ("HHHHHS", "HFHHHS", *RIVER[2:]), 3, variant="socialjax", interpreted=BRIEFLY
-    )
+    stage = stage_of("clean_up", ("HHHHHS", "HFHHHS", *RIVER[2:]), 3, variant="socialjax")
     scene = stage.put(
         "HHHHHS", "HvHHHS  1", "H^H#HH  0", "......", "^PP.#.", "BBBBBB", params={"pollution": 0}
     ).step("clean")

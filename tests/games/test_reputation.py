@@ -2,9 +2,11 @@
 
 import pytest
 
-from sjdsl.testing import Scene, Stage
+from sjdsl.testing import Scene
 
-STAGE = Stage("reputation", None, 4, params={"illness": 0.0})
+from .environments import stage_of
+
+STAGE = stage_of("reputation", None, 4, params={"illness": 0.0})
 NEAR = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]]
 
 

@@ -150,6 +150,7 @@ def test_coop_mining() -> None:
     assert played.events[2]["gold_mined"] == 0 and played.events[2]["iron_mined"] >= 3
 
 
+@pytest.mark.thorough
 def test_mushrooms() -> None:
     played = mixed("mushrooms")
     for events in played.events[:2]:
@@ -160,6 +161,7 @@ def test_mushrooms() -> None:
     )
 
 
+@pytest.mark.thorough
 def test_gift_refinement() -> None:
     played = mixed("gift_refinement")
     assert all(events["given"] >= 1 for events in played.events[:2])

@@ -2,10 +2,12 @@
 
 import pytest
 
-from sjdsl.testing import Scene, Stage
+from sjdsl.testing import Scene
+
+from .environments import stage_of
 
 ROWS = (".......", ".......", ".......", ".......", ".......")
-STAGE = Stage("stag_chase", ROWS, 2, params={"herd": 1, "hares": 1})
+STAGE = stage_of("stag_chase", ROWS, 2, params={"herd": 1, "hares": 1})
 
 
 def put(*rows: str, **fields: object) -> Scene:

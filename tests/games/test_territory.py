@@ -5,13 +5,13 @@ from typing import Any
 import jax.numpy as jnp
 import pytest
 
-from sjdsl.testing import Scene, Stage
+from sjdsl.testing import Scene
 
 from .chance import BATCH, assert_share, assert_uniform, many
-from .environments import placed
+from .environments import placed, stage_of
 
 ROWS = ("P.....#.", ".RR..R..", "........", "P.R.R..P")
-STAGE = Stage("territory", ROWS, 3)
+STAGE = stage_of("territory", ROWS, 3)
 # bricks in reading order
 LEFT, SECOND, RIGHT, LOW, CORNER = (1, 1), (1, 2), (1, 5), (3, 2), (3, 4)
 STAY, ZAP, PAINT = 6, 7, 8
@@ -242,6 +242,7 @@ def test_a_second_hit_within_fifty_steps_throws_out(wait: int, thrown_out: bool)
 # Chances
 
 
+@pytest.mark.thorough
 def test_chances() -> None:
     """Each dry brick pays with 0.01, each damaged one mends with 0.1, and of two rivals each wins as often. Source: Melting Pot."""
     env, steps = STAGE.env, 8 * BATCH

@@ -2,12 +2,12 @@
 
 import pytest
 
-from sjdsl.testing import Scene, Stage
+from sjdsl.testing import Scene
 
-from .environments import BRIEFLY
+from .environments import stage_of
 
 ROWS = ("P.....#.", ".RR..R..", "........", "P.R.R..P")
-STAGE = Stage("territory", ROWS, 3, variant="socialjax", interpreted=BRIEFLY)
+STAGE = stage_of("territory", ROWS, 3, variant="socialjax")
 LEFT, SECOND, RIGHT = (1, 1), (1, 2), (1, 5)
 QUIET = 100
 

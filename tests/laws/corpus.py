@@ -6,6 +6,8 @@ from functools import cache
 from random import Random
 from typing import Any
 
+import pytest
+
 from sjdsl.compiler import Build, build, ir, lower_build
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.read import read_source
@@ -19,9 +21,20 @@ from sjdsl.properties.biased_draws import BiasedDraws
 from tests.fuzz.judge import written
 from tests.fuzz.programs import program
 from tests.fuzz.together import interpret, on_numpy, random_play, run
+from tests.games.environments import HARVESTS
 from tests.laws.symmetry import STEPS
 
-FEW = 6  # random programs in a test; `python -m tests.laws.campaign` tries more
+FEW = 4  # random programs in a test; `python -m tests.laws.campaign` tries more
+SOME_OF_NINE = [  # the others of the nine come with the thorough tests
+    "coins",
+    "clean_up",
+    "gift_refinement",
+    "pd_arena",
+    *(
+        pytest.param(name, marks=pytest.mark.thorough)
+        for name in (*HARVESTS, "coop_mining", "mushrooms")
+    ),
+]
 
 
 @cache

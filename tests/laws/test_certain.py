@@ -4,12 +4,11 @@ from random import Random
 
 import pytest
 
-from tests.games.environments import NINE
-from tests.laws.corpus import FEW, game_of, random_games
+from tests.laws.corpus import FEW, SOME_OF_NINE, game_of, random_games
 from tests.laws.extremes import first_parting
 
 
-@pytest.mark.parametrize("name", NINE)
+@pytest.mark.parametrize("name", SOME_OF_NINE)
 def test_nine_games(name: str) -> None:
     found, tried = first_parting(game_of(name), 1, Random(name))
     assert not found

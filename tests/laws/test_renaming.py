@@ -9,15 +9,14 @@ import pytest
 
 from sjdsl.compiler import build
 from sjdsl.compiler.syntax.read import read_source
-from tests.games.environments import NINE
-from tests.laws.corpus import FEW, game_of, random_games
+from tests.laws.corpus import FEW, SOME_OF_NINE, game_of, random_games
 from tests.laws.obeyed import trials
 from tests.laws.symmetry import renamed
 
 GAMES = Path(__file__).parents[1] / "differential"
 
 
-@pytest.mark.parametrize("name", NINE)
+@pytest.mark.parametrize("name", SOME_OF_NINE)
 def test_nine_games(name: str) -> None:
     tried = trials([(name, game_of(name))], renamed, steps=5, compiled=True)
     assert not tried.fault
@@ -34,9 +33,9 @@ def test_random_programs() -> None:
 def test_lots() -> None:
     """Who of several wins a lot depends on what they drew, not on their numbers."""
     game = build(read_source(GAMES / "on_numpy" / "lots.sj")).game
-    tried = trials([(number, game) for number in range(8)], renamed, steps=5, compiled=True)
+    tried = trials([(number, game) for number in range(4)], renamed, steps=5, compiled=True)
     assert not tried.fault
-    assert tried.steps >= 30
+    assert tried.steps >= 15
 
 
 def test_movers() -> None:

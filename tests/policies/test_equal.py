@@ -47,7 +47,16 @@ def played(env: sjdsl.Environment, seed: int) -> Any:
     return jax.tree.map(np.asarray, play(jax.random.key(seed)))
 
 
-@pytest.mark.parametrize("path", sorted(GAMES.glob("*.sj")), ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(path, marks=pytest.mark.thorough)
+        if path.stem in ("compass", "turning")
+        else path
+        for path in sorted(GAMES.glob("*.sj"))
+    ],
+    ids=lambda path: path.stem,
+)
 def test_compiled_equals_interpreted(path: Path) -> None:
     """In states that random agents lead to; the choices alone are compiled by XLA, and the steps run on NumPy."""
     game = build(read_source(path)).game

@@ -21,6 +21,7 @@ from .small_games import ORCHARD, small_game
 
 TRIALS = Path(__file__).parents[1] / "cases" / "trials.sj"
 STARTING_PHASES = Path(__file__).parents[1] / "cases" / "starting.sj"
+SEED = 1
 CHECKS = """always fruit <= 2  always eaten <= 2 and zaps >= 0  conserved count(agent)  monotone bare falling in fruit
   expect eaten == 0 with never(zap, forward), seek tree where tree.fruit is ripe over 3 episodes
   expect zaps > 0 with random, seek agent as other where other is not agent over 3 episodes
@@ -36,9 +37,14 @@ def orchard() -> GameFamily:
     return small_game(CHECKS, RULE, text=text)
 
 
-def assert_engines_agree(family: GameFamily, seed: int) -> None:
+@pytest.fixture(scope="module")
+def runner(orchard: GameFamily) -> EpisodeRunner:
+    """Of one seed, so that tests share what is compiled."""
+    return EpisodeRunner(orchard, SEED)
+
+
+def assert_engines_agree(family: GameFamily, runner: EpisodeRunner) -> None:
     """Plays three episodes of each `expect` on both engines."""
-    runner = EpisodeRunner(family, seed)
     runner.checks = dict(enumerate(family.own.checks))
     for check in (c for c in family.own.checks if c.kind == "expect"):
         compiled = runner.play_compiled(check.policies, 0, 3)
@@ -55,12 +61,15 @@ def assert_engines_agree(family: GameFamily, seed: int) -> None:
         ), "nothing that is read ever changed"
 
 
-def test_both_engines_play_the_same(orchard: GameFamily) -> None:
-    assert_engines_agree(orchard, seed=5)
+def test_both_engines_play_the_same(orchard: GameFamily, runner: EpisodeRunner) -> None:
+    assert_engines_agree(orchard, runner)
 
 
-def test_both_engines_play_the_same_trials() -> None:
-    assert_engines_agree(GameFamily(read_source(TRIALS)), seed=5)
+@pytest.mark.thorough
+@pytest.mark.parametrize("path", [TRIALS, STARTING_PHASES], ids=lambda path: path.stem)
+def test_both_engines_play_the_same_case(path: Path) -> None:
+    family = GameFamily(read_source(path))
+    assert_engines_agree(family, EpisodeRunner(family, SEED))
 
 
 def test_conserved_is_not_proved_if_trials_begin_differently() -> None:
@@ -81,24 +90,22 @@ def test_conserved_is_not_proved_if_phases_at_the_start_write_it() -> None:
     assert is_untouched(begun.values[0], family.own, family.sends_later)
 
 
-def test_both_engines_play_the_same_phases_at_the_start() -> None:
-    assert_engines_agree(GameFamily(read_source(STARTING_PHASES)), seed=3)
-
-
 def test_symmetry_tells_which_phase_at_the_start_reads_a_number() -> None:
     game = build(read_source(STARTING_PHASES)).game
     check = next(check for check in game.checks if check.kind == "symmetric")
     assert "`phase claim` does, in line" in why_symmetric(check, game)
 
 
-def test_a_state_of_an_episode_is_the_interpreters(orchard: GameFamily) -> None:
+def test_a_state_of_an_episode_is_the_interpreters(
+    orchard: GameFamily, runner: EpisodeRunner
+) -> None:
     """Also with agents that are away, and sets and timers that are not at their start."""
-    runner, policies = EpisodeRunner(orchard, seed=1), orchard.own.checks[4].policies
-    (episode,) = runner.play_compiled(policies, 0, 1)
+    policies = orchard.own.checks[4].policies
+    episode, *_ = runner.play_compiled(policies, 0, 3)
     trajectory = play(orchard.own, runner.scenario(policies, 0), len(episode.actions))
     player, away = runner._player, 0
-    for step in range(len(episode.actions)):
-        found = world_of(player.env, player.state_before(episode.actions, 1, 0, step))
+    for step in range(0, len(episode.actions), 2):
+        found = world_of(player.env, player.state_before(episode.actions, SEED, 0, step))
         wanted = trajectory.worlds[step]
         for part in ("step", "cells", "agents", "fields", "position", "heading", "away"):
             assert getattr(found, part) == getattr(wanted, part), (step, part)

@@ -89,7 +89,7 @@ def test_the_commands_end_without_a_traceback(
     path = tmp_path / "growth.sj"
     path.write_text(text(FAST))
     for arguments in (
-        ["test", str(path), "--examples", "20"],
+        ["test", str(path), "--examples", "5"],
         ["trace", str(path), "--steps", "12"],
         ["play", str(path), "--watch"],
     ):

@@ -62,7 +62,9 @@ OF_STATES = ("always", "once", "conserved", "monotone")
 def test_what_is_proved_holds_when_played() -> None:
     """The proofs against play: every proved check once more, on trajectories, with the proofs switched off."""
     everything = small_game("  ".join(p for p in PROVED if p.split()[0] in OF_STATES))
-    search = Search(everything, range(len(everything.own.checks)), Effort(examples=40))
+    search = Search(
+        everything, range(len(everything.own.checks)), Effort(examples=20, compiled=False)
+    )
     search.run()
     assert search.steps
     assert not search.found

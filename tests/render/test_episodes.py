@@ -97,6 +97,7 @@ def test_each_episode_is_what_single_steps_give(recorded: Path) -> None:
     assert not np.array_equal(dataset[0].actions, dataset[1].actions)
 
 
+@pytest.mark.thorough
 def test_by_default_the_policies_of_the_file_play_in_turn(tmp_path: Path) -> None:
     """Each agent does what it does where all follow its policy; a game without policies is played at random."""
     path = tmp_path / "coins.npz"

@@ -40,15 +40,14 @@ def test_count_near(members: int, sites: int) -> None:
 @pytest.mark.usefixtures("form")
 @pytest.mark.parametrize(
     "agents",
-    [8, 9, 32, *(pytest.param(agents, marks=pytest.mark.thorough) for agents in (1, 6, 20))],
+    [8, 32, *(pytest.param(agents, marks=pytest.mark.thorough) for agents in (1, 6, 9, 20))],
 )
 @pytest.mark.parametrize(
     "sets",
     [
         1,
-        31,
         165,
-        pytest.param(32, marks=pytest.mark.thorough),
+        *(pytest.param(sets, marks=pytest.mark.thorough) for sets in (31, 32)),
         pytest.param(538, marks=pytest.mark.slow),
     ],
 )

@@ -90,7 +90,7 @@ def test_each_rises_from_float32_to_float32(kernel: Any) -> None:
 def test_powers_are_products_from_the_left() -> None:
     base = np.random.default_rng(6).uniform(-2, 2, 1000).astype(F)
     product = base
-    for exponent in range(1, 9):
+    for exponent in range(1, 6):
         np.testing.assert_array_equal(
             bits(jax.jit(powered, static_argnums=1)(base, exponent)), bits(product)
         )

@@ -42,7 +42,8 @@ def test_the_first_state_and_observation_have_what_was_computed_from_places(
     counted = 10 * int(state.world_begun) + sum(owner >= 0 for owner in owners)
     assert int(state.world_owned) == counted
     content = env.token_planes[0].labels
-    observations, _ = jax.vmap(env.reset)(jax.random.split(jax.random.key(0), 32))
+    reset = jax.jit(jax.vmap(env.reset))
+    observations, _ = reset(jax.random.split(jax.random.key(0), 32))
     seen = {content[token] for token in np.unique(np.asarray(observations)[..., 0]).tolist()}
     assert any("owner=mine" in label or "owner=others" in label for label in seen)
 

@@ -8,7 +8,7 @@ import pytest
 from tests.statistics.chi_square import assert_independent
 from tests.statistics.many import outcomes
 
-KEYS = ("rollout", "counted")
+KEYS = ("rollout", pytest.param("counted", marks=pytest.mark.thorough))
 PER_CELL = ("hit", "tabled", "chain", "number", "wide", "colour", "burden", "part")
 COARSER = {"wide": 100, "part": 5}  # so many classes taken as one
 OF_AGENTS = (

@@ -63,6 +63,7 @@ def test_its_tests_pass_under_plain_pytest_and_its_failure_is_shown(tmp_path: Pa
     assert failure.splitlines() == blocks("text")[0].splitlines()
 
 
+@pytest.mark.thorough
 def test_its_test_of_checks_passes_and_fails_as_the_checks_do(tmp_path: Path) -> None:
     (tmp_path / "games").mkdir()
     for name, check in (("good", "always count(agent) == 2"), ("bad", "require nap > 3")):

@@ -78,7 +78,9 @@ def of_coop_mining(world: World, chance: random.Random) -> None:
 HIDDEN = {"two_trees": of_two_trees, "tasks": of_tasks, "coop_mining": of_coop_mining}
 
 
-@pytest.mark.parametrize("name", HIDDEN)
+@pytest.mark.parametrize(
+    "name", ["two_trees", "tasks", pytest.param("coop_mining", marks=pytest.mark.thorough)]
+)
 def test_no_message_depends_on_what_is_hidden(name: str) -> None:
     steps = 4 if name == "coop_mining" else 9
     plain = messages(game(name), steps)
@@ -101,7 +103,12 @@ PLAYED = ["clean_up", "clean_up+socialjax", "reputation", "ferry", "two_trees", 
 
 
 @pytest.mark.parametrize(
-    "name", [*PLAYED, "coop_mining+socialjax", "running_with_scissors_in_the_matrix"]
+    "name",
+    [
+        *PLAYED,
+        "running_with_scissors_in_the_matrix",
+        pytest.param("coop_mining+socialjax", marks=pytest.mark.thorough),
+    ],
 )
 def test_what_is_left_out_changes_nothing(name: str) -> None:
     """The rules that are told give the same observations, rewards and masks as all rules."""

@@ -223,8 +223,13 @@ class Tables:
     truncates: Array  # [] bool
 
 
+@cache
 def tables_of(env: Probe) -> Tables:
     """Returns what a probe does."""
+    return jax.jit(lambda: _compute_tables(env), compiler_options=FAST_TO_COMPILE)()
+
+
+def _compute_tables(env: Probe) -> Tables:
     joint = jnp.indices((env.num_actions,) * env.num_agents).reshape(env.num_agents, -1).T
 
     def pay(cue: Array, step: Array, actions: Array) -> Array:
@@ -327,15 +332,21 @@ def quick(**changes: Any) -> Config:
 
 def run_of(env: Probe, config: Config, seeds: int = 1) -> Callable[[Array], Run]:
     """Returns a whole run as a function of its key: to the last state and all updates' metrics. With more seeds, of as many keys."""
-    form = Probe(
-        "form", reward=lambda _, __: 0.0, num_agents=env.num_agents, num_actions=env.num_actions
-    )
+    form = _form_of(env)
     return lambda key: _run_of_form(form, config, seeds)(key, tables_of(env))
 
 
-_FORMS: dict[tuple[Any, ...], Any] = {}
+def _form_of(env: Probe) -> Probe:
+    """Returns the same probe for all of as many agents and actions."""
+    return _form(env.num_agents, env.num_actions)
 
 
+@cache
+def _form(num_agents: int, num_actions: int) -> Probe:
+    return Probe("form", reward=lambda _, __: 0.0, num_agents=num_agents, num_actions=num_actions)
+
+
+@cache
 def _run_of_form(form: Probe, config: Config, seeds: int) -> Callable[[Array, Tables], Run]:
     """Returns the jitted runs of all probes of a form."""
 
@@ -346,8 +357,7 @@ def _run_of_form(form: Probe, config: Config, seeds: int) -> Callable[[Array, Ta
         )
 
     runs = jax.vmap(run, in_axes=(0, None)) if seeds > 1 else run
-    name = (form.num_agents, form.num_actions, config, seeds)
-    return _FORMS.setdefault(name, jax.jit(runs, compiler_options=FAST_TO_COMPILE))
+    return jax.jit(runs, compiler_options=FAST_TO_COMPILE)
 
 
 @cache
@@ -367,15 +377,25 @@ def judge(
 
     `world` is the state's vector, for critics that see it; `changes` are those of the run.
     """
-    networks = make_actor_critics(env, quick(**changes))
-    seen = windows(env, shown)[None, None]
-    joint = (
-        networks.joint(seen, None) if world is None else jnp.asarray(world, jnp.float32)[None, None]
-    )
-    _, logits, values = networks.apply(
-        state.learner.params, networks.start_memory(1), seen, joint, jnp.ones((1, 1), bool)
-    )
-    return jax.nn.softmax(logits[0, 0]), values[0, 0]
+    vector = None if world is None else jnp.asarray(world, jnp.float32)
+    read = _judge_of_form(_form_of(env), quick(**changes))
+    return read(state.learner.params, windows(env, shown), vector)
+
+
+@cache
+def _judge_of_form(form: Probe, config: Config) -> Callable[..., tuple[Array, Array]]:
+    """Returns the jitted networks of all probes of a form."""
+    networks = make_actor_critics(form, config)
+
+    def read(parameters: Any, shown: Array, vector: Array | None) -> tuple[Array, Array]:
+        seen = shown[None, None]
+        joint = networks.joint(seen, None) if vector is None else vector[None, None]
+        _, logits, values = networks.apply(
+            parameters, networks.start_memory(1), seen, joint, jnp.ones((1, 1), bool)
+        )
+        return jax.nn.softmax(logits[0, 0]), values[0, 0]
+
+    return jax.jit(read, compiler_options=FAST_TO_COMPILE)
 
 
 def judge_actions(

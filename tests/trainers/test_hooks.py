@@ -261,8 +261,9 @@ def test_a_reward_sees_where_its_action_led() -> None:
         return jnp.full(2, step.next_state.step - step.state.step)
 
     config = make_config(SMALL, num_steps=6, reward=steps_forward)
-    run = make_train(stream("truncated"), config)
-    _, played = run.collect(run.init(jax.random.key(0)))
+    program = make_train(stream("truncated"), config)
+    play = jax.jit(lambda key: program.collect(program.init(key))[1])
+    played = play(jax.random.key(0))
     assert (played.rollout.shaped_reward == 1).all()
 
 

@@ -68,6 +68,7 @@ def drawn(env: Probe, config: Any) -> Any:
     )
 
 
+@cache
 def two_rollouts(env: Probe, config: Any) -> tuple[Any, Any, Any]:
     """Returns what was played in a run's first two rollouts, and the parameters."""
     program = make_train(env, config)
@@ -117,7 +118,7 @@ def inputs_by_hand(rollouts: list[Any], trials: bool) -> np.ndarray:
 @pytest.mark.parametrize(
     ("changes", "trials"),
     [
-        ({}, False),
+        pytest.param({}, False, marks=pytest.mark.thorough),
         ({"reward": "common"}, True),
         pytest.param({"sharing": "per_agent"}, True, marks=pytest.mark.slow),
         pytest.param({"partners": {0: "random"}}, True, marks=pytest.mark.slow),
@@ -153,7 +154,7 @@ def test_what_is_read_is_the_last_action_and_the_games_reward(
 def test_the_value_of_a_last_observation_reads_the_last_step(changes: dict[str, Any]) -> None:
     """Where a time limit cuts an episode off: beside values that a network gives the episode with its last observation in one go."""
     env = tried()
-    config = quick(**READING, **changes, num_envs=ENVS, num_steps=STEPS)
+    config = quick(**READING, **changes, reward="common", num_envs=ENVS, num_steps=STEPS)
     networks = make_actor_critics(env, config)
     played, _, parameters = two_rollouts(env, config)
     rollout = played.rollout

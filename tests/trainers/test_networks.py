@@ -157,6 +157,7 @@ def test_bfloat16_is_of_the_layers_alone() -> None:
 LENGTH = 6
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("central", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_steps_read_one_by_one_or_together_are_the_same_and_memory_ends_with_an_episode(
     central: bool,

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from probes import FAST_TO_COMPILE, QUICK, matching
 from run_outcomes import assert_same_end, compiled_matching, read_lines, read_manifest
+from run_outcomes import counting as learns_nothing
 
 from sjdsl.cli import run as command_line
 from sjdsl.trainers import (
@@ -37,6 +38,7 @@ from sjdsl.trainers import (
 )
 from sjdsl.trainers.policies.loading import parameter_shapes
 from sjdsl.trainers.runs import run
+from sjdsl.trainers.runs.compiled import compile_train
 from sjdsl.trainers.settings.own_settings import taken_settings
 
 SMALL = {
@@ -365,6 +367,8 @@ def test_the_commands(
     config = make_config(
         SMALL, algorithm="mine.py:learner", loss="mine.py:loss", own={"weight": 0.5}
     )
+    monkeypatch.setattr(run, "compile_train", compile_train)
+    monkeypatch.setattr(run, "make_train", lambda *_: learns_nothing())
     train(matching(), config, "run", "none", callback=lambda update: update.number == 1)
     manifest = json.loads(Path("run/manifest.json").read_text())
     assert manifest["config"]["own"] == {"weight": 0.5}

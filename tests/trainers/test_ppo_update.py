@@ -485,7 +485,11 @@ def test_what_is_not_finite_or_was_not_is_not_kept(
     assert np.isnan(told) == (not good)
 
 
-@pytest.mark.parametrize("changes", [{}, {"sharing": "per_agent"}], ids=["shared", "per agent"])
+@pytest.mark.parametrize(
+    "changes",
+    [{}, pytest.param({"sharing": "per_agent"}, marks=pytest.mark.thorough)],
+    ids=["shared", "per agent"],
+)
 def test_an_infinite_reward_leaves_the_parameters_as_they_were(changes: dict[str, Any]) -> None:
     """No step is counted, and the critic's weights have the length 1 that they start with."""
     ruined, metrics = learn(endless_riches(), **changes)

@@ -86,7 +86,10 @@ def test_true_ending_is_worth_nothing(changes: dict[str, Any]) -> None:
     np.testing.assert_allclose(three_ones, [1 + 0.8 + 0.64, 1 + 0.8, 1.0], atol=TOLERANCE)
 
 
-@pytest.mark.parametrize(("reward", "action"), [("individual", 1), ("common", 0)])
+@pytest.mark.parametrize(
+    ("reward", "action"),
+    [("individual", 1), pytest.param("common", 0, marks=pytest.mark.thorough)],
+)
 def test_reward_decides_the_dilemma(reward: str, action: int) -> None:
     state, metrics = learn(dilemma(), reward=reward)
     probabilities, _ = judge(dilemma(), state, 0)

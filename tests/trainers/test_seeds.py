@@ -38,16 +38,16 @@ def test_compiled_seeds_are_the_runs_they_would_have_been_alone(algorithm: str) 
     )
 
 
+@pytest.mark.thorough
 def test_other_seeds_are_other_runs() -> None:
     """Other parameters, other worlds and other actions, from the first update on."""
-    runs = [learn(matching(), seed) for seed in range(3)]
-    assert len({float(metrics["agent_return"][0, 0]) for _, metrics in runs}) == 3
-    assert len({float(metrics["loss"][0]) for _, metrics in runs}) == 3
+    runs = [learn(matching(), seed) for seed in range(2)]
+    assert len({float(metrics["agent_return"][0, 0]) for _, metrics in runs}) == 2
+    assert len({float(metrics["loss"][0]) for _, metrics in runs}) == 2
     kernels = [
         np.asarray(state.learner.params["params"]["actor"]["out"]["kernel"]) for state, _ in runs
     ]
     assert not np.allclose(kernels[0], kernels[1])
-    assert not np.allclose(kernels[1], kernels[2])
 
 
 @pytest.mark.thorough

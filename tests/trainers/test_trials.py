@@ -84,6 +84,7 @@ def test_discounted_returns_run_through_the_ends_of_trials(env: Environment) -> 
     np.testing.assert_allclose(advantage[0, 0], [first, first])
 
 
+@pytest.mark.thorough
 def test_run_has_curves_by_trial(env: Environment, tmp_path: Path) -> None:
     config = make_config(
         network="mlp", num_envs=2, num_steps=12, num_minibatches=2, total_timesteps=48
@@ -104,10 +105,11 @@ def test_a_batch_ends_its_trials_as_single_environments_do(env: Environment) -> 
     keys = jax.random.split(jax.random.key(3), 3)
     _, states = jax.vmap(env.reset)(keys)
     singles = [env.reset(key)[1] for key in keys]
+    actions = jnp.ones((3, 2), jnp.int32)
+    together = jax.jit(jax.vmap(env.step))
     for step in range(7):
         step_keys = jax.random.split(jax.random.key(step), 3)
-        actions = jnp.ones((3, 2), jnp.int32)
-        seen, states, reward, done, info = jax.vmap(env.step)(step_keys, states, actions)
+        seen, states, reward, done, info = together(step_keys, states, actions)
         batched = (seen, states, reward, done, info["trial"], info["trial_ended"])
         for index in range(3):
             alone = env.step(step_keys[index], singles[index], actions[index])

@@ -26,7 +26,11 @@ from sjdsl.trainers.networks.action_values import exploration
 
 VDN = {"algorithm": "vdn"}
 ON_POLICY = {"replay": "none"}
-BOTH = pytest.mark.parametrize("changes", [{}, ON_POLICY], ids=["replayed", "on policy"])
+BOTH = pytest.mark.parametrize(
+    "changes",
+    [{}, pytest.param(ON_POLICY, marks=pytest.mark.thorough)],
+    ids=["replayed", "on policy"],
+)
 TOLERANCE = 0.15
 
 

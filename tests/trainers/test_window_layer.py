@@ -56,12 +56,15 @@ def draw_windows(seed: int, *lead: int) -> Array:
     return jnp.asarray(np.where(uniform, tokens[..., :1, :1], tokens), jnp.uint8)
 
 
+THOROUGH = pytest.mark.thorough
+
+
 @pytest.fixture(
     params=[
         "multiplied",
-        pytest.param(1, marks=pytest.mark.thorough),
+        pytest.param(1, marks=THOROUGH),
         12,
-        pytest.param(256, marks=pytest.mark.thorough),
+        pytest.param(256, marks=THOROUGH),
     ]
 )
 def _way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -76,14 +79,19 @@ def _way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 @pytest.mark.usefixtures("_way")
-@pytest.mark.parametrize("lead", [(12,), (2, 1, 7), (1,)])
-@pytest.mark.parametrize(("dtype", "tolerance"), [(jnp.float32, 1e-5), (jnp.bfloat16, 5e-2)])
+@pytest.mark.parametrize(
+    "lead", [pytest.param((12,), marks=THOROUGH), (2, 1, 7), pytest.param((1,), marks=THOROUGH)]
+)
+@pytest.mark.parametrize(
+    ("dtype", "tolerance"),
+    [(jnp.float32, 1e-5), pytest.param(jnp.bfloat16, 5e-2, marks=THOROUGH)],
+)
 def test_the_layer_is_a_dense_one(
     lead: tuple[int, ...], dtype: jnp.dtype, tolerance: float
 ) -> None:
     """Values and both gradients."""
     tokens = draw_windows(0, *lead)
-    parameters = Plain(dtype).init(jax.random.key(1), tokens)
+    parameters = jax.jit(Plain(dtype).init)(jax.random.key(1), tokens)
     weights = jnp.asarray(np.random.default_rng(2).normal(size=(*lead, WIDTH)), jnp.float32)
 
     def of(layer: nn.Module) -> tuple[Array, Array]:
@@ -106,7 +114,7 @@ def test_the_layer_is_a_dense_one(
     )
 
 
-@pytest.mark.thorough
+@THOROUGH
 @pytest.mark.usefixtures("_way")
 def test_many_networks_at_once() -> None:
     """Under `vmap`, as teams of agents with their own parameters are: over windows, kernels, or both."""
