@@ -111,6 +111,11 @@ def observe(w: World) -> list[Lines]:
         else []
     )
     for d in w.defines:
+        if d.parameters == ("agent",):
+            if d.type.kind in ("condition", "word"):
+                lines.append(f"show {d.name}(agent)")
+            elif d.type.kind == "int":
+                lines.append(f"show {d.name}(agent) as {{ {_labels(w, '', LABELS)} }}")
         if not d.parameters and w.is_now(0.3):
             whole = d.type.kind in ("condition", "word") or (
                 d.type.kind == "int" and d.type.low >= 0 and d.type.high <= 255

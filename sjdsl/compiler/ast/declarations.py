@@ -260,7 +260,10 @@ class Relabel(Node):
 
 
 class Show(Node):
+    """`observer`: of `show define(agent)`."""
+
     what: Path
+    observer: Name | None
     labels: tuple[Relabel, ...]
     condition: Expr | None
 

@@ -136,7 +136,8 @@ def seen_heading(game: Game) -> Observable | None:
 
 def shows_attribute(observable: Observable) -> bool:
     """Returns whether an observation shows what every agent has of itself, and not a field."""
-    return observable.what in ("own", "other", "everyone") and observable.field in ATTRIBUTES
+    is_of_agents = observable.what in ("own", "other", "everyone")
+    return is_of_agents and observable.field in ATTRIBUTES and observable.value is None
 
 
 def shown_field(game: Game, observable: Observable) -> VarField:

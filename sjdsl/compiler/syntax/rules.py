@@ -113,8 +113,10 @@ def window(span: Span, *items: Any) -> ast.Window:
 
 
 def show(span: Span, what: ast.Path, *items: Any) -> ast.Show:
-    labels = tuple(i for i in items if isinstance(i, ast.Relabel))
-    return ast.Show(span, what, labels, items[-1] if len(items) > len(labels) else None)
+    plain, clauses = split(items)
+    labels = tuple(i for i in plain if isinstance(i, ast.Relabel))
+    condition = plain[-1] if len(plain) > len(labels) else None
+    return ast.Show(span, what, clauses.get("observer"), labels, condition)
 
 
 def checks(span: Span, *items: Any) -> ast.Checks:
