@@ -88,7 +88,6 @@ class Board:
         """Returns the steps between two cells along rows and columns."""
         return sum(map(abs, self.offset(a, b)))
 
-
     def steps_toward(self, heading: int, a: Cell, b: Cell) -> int:
         """Returns how many steps with a heading b is from a, whatever is beside that line.
 

@@ -24,6 +24,7 @@ NEVER = {
     "shift: SEND path BY sum direction facing": "the message says to write `otherwise stay`",
 }
 NO_PART = {
+    "Bearing.fn = steps_right": "no mirror keeps it; tests/runtime/test_bearings.py has it",
     "Mix": "the generator does not write mixes",
     "Look.what = mover": "the generator does not write looks of movers",
     "EventTotal.word is given": "counted by the word",
