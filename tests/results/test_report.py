@@ -92,7 +92,7 @@ def test_runs_on_other_tasks_are_never_averaged(tmp_path: Path) -> None:
         ", tasks held_out rich": {"tasks": "held_out", "split": "rich"},
         ", tasks hue=red pay[red]=3": {"tasks": {"hue": "red", "pay[red]": 3}, "split": ""},
     }
-    for number, (name, tasks) in enumerate(sides.items()):
+    for number, tasks in enumerate(sides.values()):
         earned = (10.0 * number, 10.0 * number)
         write_run(tmp_path / f"run_{number}", "orchard", earned, tasks=tasks, **RULES)
         write_run(tmp_path / f"more_{number}", "orchard", earned, first=2, tasks=tasks, **RULES)
