@@ -146,6 +146,8 @@ class Field(Named):
 class Timer(Named):
     """`timer digesting`"""
 
+    by: By | None
+
 
 class Blocks(Node):
     what: tuple[Name, ...]

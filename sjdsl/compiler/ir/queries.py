@@ -40,7 +40,7 @@ from sjdsl.compiler.ir.game import (
 )
 from sjdsl.compiler.ir.node import Node
 from sjdsl.compiler.ir.sorts import AGENTS, Sort
-from sjdsl.compiler.ir.statements import Remove, Send
+from sjdsl.compiler.ir.statements import Remove, Send, Set
 from sjdsl.compiler.ir.task_rows import all_parts, number_of_ways
 
 Start = int | float | str | None
@@ -107,6 +107,13 @@ def declared_field(game: Game, read: FieldRead, kind: str | None = None) -> VarF
 def can_be(read: FieldRead, declared: VarField) -> bool:
     """Returns whether the variable that is read or written may be one of those declared."""
     return read.name == declared.name and read.held_by.overlaps(declared.held_by)
+
+
+def sets(node: Node, declared: VarField) -> bool:
+    """Returns whether a node sets one of the variables declared, or an entry of it."""
+    if not isinstance(node, Set) or not isinstance(node.target, FieldRead | At):
+        return False
+    return can_be(written_field(node.target), declared)
 
 
 def written_field(target: Expr) -> FieldRead:
