@@ -101,7 +101,7 @@ def held_out(frame: "pd.DataFrame") -> Section:
     """Returns the section on the return in training tasks and in the held-out tasks of each
     split.
     """
-    rows = []
+    rows: list[tuple[str | Figure, ...]] = []
     for setting, of_game in games(frame):
         for words, seeds in ways_of_training(of_game):
             for split in splits_in(frame):

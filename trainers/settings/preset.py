@@ -67,7 +67,7 @@ FOR_A_GAME = {**FOR_ANY, STAGES: list}
 SECTIONS = {"extends": str, "game": str, "only_listed": bool, "games": dict, **FOR_A_GAME}
 NAMES = {"algorithm": get_args(Algorithm), "reward": get_args(RewardMode)}
 LARGEST = MEGABYTE  # bytes of a preset's file
-MEANS = {
+MEANS: dict[Kind, str] = {
     str: "text",
     int: "a whole number",
     bool: "true or false",
