@@ -41,7 +41,8 @@ game two_trees "Two trees" {
     show tree as { tree }
   }
   metrics { event fruits }
-  look tree as green tree
+  look tree                           as green tree
+  look tree where tree.bears is fruit as green tree with red apple  # for us: no agent sees it
 
   variant told "sees which tree bears fruit" { observe { show tree as { bare where tree.bears is nothing, laden } } }
 }

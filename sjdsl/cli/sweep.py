@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     "axes",
     multiple=True,
     metavar="NAME=v,v,...",
-    help="What varies: a setting, own.X, variant or param.X.",
+    help="What varies: a setting, own.X, param.X, variant, tasks, split or problem.",
 )
 @click.option("--run", "run_dir", required=True, metavar="DIR", help="Folder of the sweep.")
 @run_options(seeds=3)
@@ -63,11 +63,6 @@ def command(
     resumes a stopped sweep; a new value or axis adds cells. Several processes can work on one
     folder: docs/sweeps.md.
     """
-    if options.of_tasks:
-        raise click.UsageError(
-            "a sweep trains on the training tasks of each game: --tasks, --split and --problem are "
-            "for `sjdsl train`"
-        )
     spec = SweepSpec(
         games=games,
         axes=[read_axis(text) for text in axes],
@@ -79,6 +74,7 @@ def command(
         loggers=run.loggers,
         map=options.map,
         num_agents=options.num_agents,
+        **options.of_tasks,
     )
     describe = GameReader()
     cells = plan_sweep(spec, describe)  # settings that don't fit are refused before JAX loads
@@ -122,9 +118,10 @@ class GameReader:
         params: Mapping[str, Any],
         map: str | None = None,
         num_agents: int | None = None,
+        **of_tasks: Any,
     ) -> tuple[dict[str, Any], str, str]:
         """Returns the arguments of a game's environment, its name and its hash."""
-        options = EnvironmentOptions(variant, map, num_agents, params)
+        options = EnvironmentOptions(variant, map, num_agents, params, **of_tasks)
         arguments = options.describe(game)
         key = repr(sorted(arguments.items(), key=str))
         if key not in self._hashes:

@@ -92,7 +92,7 @@ def _add_node(
             tight.add(start + 1)
         case "signed":
             tight.add(start + 1)
-        case "names" | "index" | "member":
+        case "names" | "index" | "member" | "observer":
             tight.add(start)
         case "key":
             tight.add(end + 1)

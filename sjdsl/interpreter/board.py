@@ -16,6 +16,7 @@ from sjdsl.compiler.ir.queries import (
     phases_of,
 )
 from sjdsl.interpreter import planes
+from sjdsl.interpreter.shapes import FORWARD
 from sjdsl.interpreter.state import Cell, Herd, Pool, Value, World, field_value
 
 
@@ -86,6 +87,17 @@ class Board:
     def steps(self, a: Cell, b: Cell) -> int:
         """Returns the steps between two cells along rows and columns."""
         return sum(map(abs, self.offset(a, b)))
+
+    def steps_toward(self, heading: int, a: Cell, b: Cell) -> int:
+        """Returns how many steps with a heading b is from a, whatever is beside that line.
+
+        On a map that wraps, that is the shorter way round; the positive one of two equal ways.
+        """
+        rows, cols = FORWARD[heading]
+        steps = rows * (b.row - a.row) + cols * (b.col - a.col)
+        if not self.game.wraps:
+            return steps
+        return _shorter_way(steps, len(self.game.rows if rows else self.game.rows[0]))
 
 
 def _shorter_way(distance: int, size: int) -> int:

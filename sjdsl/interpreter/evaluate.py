@@ -157,6 +157,16 @@ def _distance(e: ir.Distance, instance: Instance) -> int:
     return instance.board.steps(a, b)
 
 
+def _bearing(e: ir.Bearing, instance: Instance) -> int:
+    """Returns how many steps ahead of somebody, or to the right, an agent, mover or cell is."""
+    a = cell_of(e.left, instance)
+    b = cell_of(e.right, instance)
+    assert a is not None and b is not None, f"the place of somebody who is away, or nowhere: {e}"
+    heading = heading_of(evaluate(e.left, instance), instance.world)
+    direction = heading if e.fn == "steps_ahead" else (heading + 1) % 4
+    return instance.board.steps_toward(direction, a, b)
+
+
 def cell_of(e: ir.Expr, instance: Instance) -> Cell | None:
     """Returns the cell that an expression is, or that its agent or mover stands on."""
     owner = evaluate(e, instance)
@@ -406,6 +416,7 @@ VALUES: dict[type[ir.Node], Callable[[Any, Instance], Value]] = {
     ir.ParamRef: lambda e, instance: instance.world.params[e.name],
     ir.Attribute: _attribute,
     ir.Distance: _distance,
+    ir.Bearing: _bearing,
     ir.At: _entry,
     ir.Step: lambda _, instance: instance.world.step,
     ir.Arithmetic: lambda e, instance: numbers.arithmetic(

@@ -71,10 +71,14 @@ def _with_task(board: Board, laid: World, draws: Draws, tell: Tell | None) -> Wo
     """Returns the state before `start` with the task of an episode."""
     task = board.game.task
     assert task is not None
+    chosen = task.draw.model_copy(update={"label": f"{task.draw.label}, the tasks that are played"})
 
     def drawn(key: Draws, tell: Tell | None = None) -> World:
-        world = _phase(task.draw, _starting(board, laid, key), _empty_outcome(board), tell)
+        any_task = _phase(task.draw, _starting(board, laid, key), _empty_outcome(board), tell)
+        world = copied(any_task)
         fix_parts(world, board, key)
+        if tell is not None:
+            tell(Account(chosen, any_task, world))
         return world
 
     return drawn(key_of_task(board, draws, drawn), tell)

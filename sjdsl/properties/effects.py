@@ -61,6 +61,8 @@ def reads(node: ir.Node) -> Iterator[Part]:
                 members = [end for end in (n.left, n.right) if isinstance(end, ir.Member)]
                 if any(member.sort.what != "cell" for member in members):
                     yield PLACE
+            case ir.Bearing():
+                yield from (PLACE, part_of("heading", body_sort(n.left)))
             case ir.Step():
                 yield STEP
             case ir.EventTotal():

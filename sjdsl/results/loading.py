@@ -6,7 +6,8 @@ Columns, in this order:
 
 * `record`: the kind of a row: `seed` (the evaluation of the last policy of a training seed), `random` (a random policy), `mixture` (the
   return of an agent of a policy in a mixture of cross-play) or `diagram` (a Schelling diagram).
-* `game`, `hash` (of its rules), `variant`, `params` (changed numbers, `a=1 b=2`), `map`, `num_agents`.
+* `game`, `hash` (of its rules), `variant`, `params` (changed numbers, `a=1 b=2`), `map`, `num_agents`, `tasks` (of a game with tasks those
+  played: `training`, `all`, `held_out NAME`, `hue=red pay[red]=3`).
 * `run`: a name for all of the following up to `settings`, and the game. Seeds with the same `run` were trained the same and may be averaged.
   `algorithm`, `reward` (after stages, that of the last and ` from stages`), `sharing`, `exchange_ratio`, `svo_weight`, `svo_angle` (degrees;
   NaN where agents differ), `network`, `total_timesteps` (environment steps in the configuration), `settings` (JSON: other settings that
@@ -16,7 +17,8 @@ Columns, in this order:
 * `preset`: the preset of this version with the same settings, or `""`.
 * `seed`, `status` (`done`, `failed`: it diverged, `unfinished`), `steps` (environment steps of its training), `hardware`, `folder`.
 * `episodes`, `collective_return` (mean over the episodes, summed over agents), `low` and `high` (its 95 % interval, in rows without a seed).
-* Each further figure of an evaluation has a column with its name: `event eaten`, `mean apples_left`. Mixtures have `mixture`, `policy`,
+* Each further figure of an evaluation has a column with its name: `event eaten`, `mean apples_left`; one in held-out tasks of the split
+  `late`: `event eaten, held out late`; `training minus held out late` is the difference of the collective return. Mixtures have `mixture`, `policy`,
   `mean`, `unit` and `units`; diagrams have `cooperators`, `defectors`, `outcome`, `fear`, `greed`, and A, B, fear and greed with bounds.
 """
 
@@ -66,7 +68,7 @@ with needs("results"):
 Rows = list[dict[str, Any]]
 RowsAndPoints = tuple[Rows, Rows]  # evaluations, and points of learning curves
 
-SETTING = ("game", "hash", "variant", "params", "map", "num_agents")
+SETTING = ("game", "hash", "variant", "params", "map", "num_agents", "tasks")
 OF_SEED = (
     "preset",
     "seed",
@@ -80,6 +82,9 @@ OF_SEED = (
     "high",
 )
 COLUMNS = ("record", *SETTING, "run", *METHOD, "settings", *OF_SEED)
+ADDED = {"folder", "tasks"}  # columns that a stored table may lack
+HELD_OUT = ", held out "  # between a figure and the split whose held-out tasks it is of
+MINUS_HELD_OUT = "training minus held out "  # before a split
 POINT = ("run", "seed", "env_steps", "collective_return", "folder")
 # Columns by the type of their values.
 TEXTS = {
@@ -89,6 +94,7 @@ TEXTS = {
     "variant",
     "params",
     "map",
+    "tasks",
     "run",
     "algorithm",
     "reward",
@@ -118,6 +124,7 @@ KEY = (
     "hash",
     "params",
     "num_agents",
+    "tasks",
     "run",
     "seed",
     "mixture",
@@ -346,7 +353,7 @@ def _reader_of(path: Path) -> Callable[[Path], RowsAndPoints] | None:
 
 def _read_report(path: Path) -> RowsAndPoints:
     """Reads the `data` of a report."""
-    frame = read_frame(path / RESULTS, [name for name in COLUMNS if name != "folder"])
+    frame = read_frame(path / RESULTS, [name for name in COLUMNS if name not in ADDED])
     unknown = sorted(set(frame.status) - {"done", "failed", "unfinished", ""})
     if unknown:
         raise ResultsError(
@@ -462,6 +469,9 @@ def columns_of_run(
         "agents": game["num_agents"],
         "config": settings,
     }
+    tasks = tasks_played(game)
+    if tasks:
+        everything["tasks"] = tasks
     digest = sha256(json.dumps(everything, sort_keys=True).encode()).hexdigest()[:8]
     reward = str(config["reward"])
     columns = {
@@ -472,6 +482,7 @@ def columns_of_run(
         GAME_NUMBERS: numbers_of(game, flat_numbers(provenance.get("params") or {})),
         "map": _map_name(provenance.get("map")),
         "num_agents": game["num_agents"],
+        "tasks": tasks,
         "run": f"{game['name']}-{Path(str(config['algorithm'])).stem}-{Path(reward).stem}-{digest}",
         "algorithm": config["algorithm"],
         "reward": reward_label(reward, "stages" in settings),
@@ -513,11 +524,25 @@ def _map_name(map_: Any) -> str:
     return "own" if map_ else ""
 
 
+def tasks_played(game: Mapping[str, Any]) -> str:
+    """Returns which tasks a run was trained on, or an experiment played: `held_out late`; empty in
+    a game without tasks.
+
+    game: in a manifest, or in the file of an experiment.
+    """
+    tasks = game.get("tasks") or ""
+    if isinstance(tasks, Mapping):
+        return " ".join(f"{name}={value}" for name, value in tasks.items())
+    return f"{tasks} {game.get('split') or ''}".strip()
+
+
 def _describe_stage(manifest: Mapping[str, Any], last: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the game of a stage, and the settings in which it differs from the last one. last: the configuration of that."""
     game = manifest["game"]
     settings = {key: value for key, value in manifest["config"].items() if value != last.get(key)}
     settings["init_from"] = "a policy" if settings.get("init_from") else ""
+    if tasks := tasks_played(game):
+        settings["tasks"] = tasks
     return {
         "hash": game["hash"],
         "params": " ".join(_changed_numbers(game, manifest.get("provenance") or {})),
@@ -646,9 +671,13 @@ def _read_means(path: Path) -> tuple[dict[str, float], int]:
     stored = read_evaluation(path)
     if stored is None or stored.greedy is not None:
         return {}, 0
+    figures = dict(stored.summary)
+    for split, of_split in stored.held_out.items():
+        figures |= {f"{name}{HELD_OUT}{split}": f for name, f in of_split.summary.items()}
+        figures[f"{MINUS_HELD_OUT}{split}"] = of_split.training_minus_held_out
     means = {
         name: figure.mean
-        for name, figure in stored.summary.items()
+        for name, figure in figures.items()
         if " of agent " not in name and figure.mean is not None
     }
     return means, stored.episodes
@@ -713,6 +742,7 @@ def _read_experiment(path: Path, name: str, kind: type[Diagram] | type[CrossPlay
         "hash": game.hash,
         "num_agents": game.num_agents,
         "params": " ".join(other_numbers(game.model_dump())),
+        "tasks": tasks_played(game.model_dump()),
         "folder": str(path),
     }
     rows = [_diagram_row(stored)] if isinstance(stored, Diagram) else _cross_play_rows(stored)

@@ -24,13 +24,14 @@ from sjdsl.results.figures import (
     result_figure,
     short,
 )
-from sjdsl.results.loading import CONTRASTS
+from sjdsl.results.loading import CONTRASTS, HELD_OUT, MINUS_HELD_OUT
 from sjdsl.results.page import Picture, Section
 from sjdsl.results.selecting import Setting, games, in_words, result_of, setting_of
 from sjdsl.results.settings import as_written, differing, settings_of
 from sjdsl.results.statistics import compare, draw_profiles, improvements, interquartile_means
 from sjdsl.short_paths import short_names
 from sjdsl.trainers.policies.estimates import estimate, stack_estimates
+from sjdsl.trainers.policies.stored_evaluation import RETURN
 from sjdsl.trainers.settings.own_settings import OWN
 
 if TYPE_CHECKING:
@@ -90,16 +91,45 @@ def returns(frame: "pd.DataFrame") -> Section:
     return Section("Returns", (), (table,) if rows else ())
 
 
+def splits_in(frame: "pd.DataFrame") -> list[str]:
+    """Returns the splits whose held-out tasks some seed was evaluated in, in order."""
+    names = (name for name in frame if name.startswith(MINUS_HELD_OUT))
+    return sorted(name.removeprefix(MINUS_HELD_OUT) for name in names)
+
+
+def held_out(frame: "pd.DataFrame") -> Section:
+    """Returns the section on the return in training tasks and in the held-out tasks of each
+    split.
+    """
+    rows: list[tuple[str | Figure, ...]] = []
+    for setting, of_game in games(frame):
+        for words, seeds in ways_of_training(of_game):
+            for split in splits_in(frame):
+                minus = result_of(seeds, f"{MINUS_HELD_OUT}{split}")
+                if minus is None or not minus.values:
+                    continue
+                sides = (result_of(seeds), result_of(seeds, f"{RETURN}{HELD_OUT}{split}"))
+                figures = (result_figure(result) for result in (*sides, minus))
+                rows.append((setting.label, words, split, *figures))
+    headings = ("game", "way of training", "split", "training", "held out", "training - held out")
+    title = "Collective return in training tasks and in held-out tasks"
+    text = "The difference is taken seed by seed, and its interval is over training seeds."
+    table = Table("held_out", title, headings, rows, 3)
+    return Section("Held-out tasks", (text,), (table,) if rows else ())
+
+
 def trials(frame: "pd.DataFrame") -> Section:
     """Returns the section on the return in each trial, in games whose episodes have trials."""
     rows = []
     for setting, of_game in games(frame):
         for words, seeds in ways_of_training(of_game):
-            for trial in count():
-                result = result_of(seeds, f"collective return of trial {trial}")
-                if result is None or not result.values:
-                    break
-                rows.append((setting.label, words, str(trial), result_figure(result)))
+            for side in ("", *(f"{HELD_OUT}{split}" for split in splits_in(frame))):
+                for trial in count():
+                    result = result_of(seeds, f"collective return of trial {trial}{side}")
+                    if result is None or not result.values:
+                        break
+                    label = f"{trial}{side}"
+                    rows.append((setting.label, words, label, result_figure(result)))
     headings = ("game", "way of training", "trial", "collective return")
     table = Table("trials", "Collective return by trial", headings, rows, 3)
     text = "Each trial begins anew, so what rises from trial to trial is what agents find out."
@@ -209,6 +239,7 @@ def score_results(
     """
     is_random = frame.record == "random"
     of_game = (frame.game == setting.game) & (frame.hash == setting.hash)
+    of_game &= frame.tasks == setting.tasks
     random_returns = frame[is_random & of_game].collective_return
     if random_returns.empty or setting.params or best <= random_returns.iloc[-1]:
         return {}
@@ -407,6 +438,7 @@ def report_sections(frame: "pd.DataFrame", curves: "pd.DataFrame") -> list[Secti
     """Returns the sections of a report that have something to show."""
     summaries = (
         returns(frame),
+        held_out(frame),
         trials(frame),
         learning_curves(frame, curves),
         over_games(frame),

@@ -20,7 +20,7 @@ NAMES = {"ippo": "IPPO", "mappo": "MAPPO", "vdn": "VDN"}
 
 
 class Setting(NamedTuple):
-    """A game as it was played: its rules, numbers, map and agents."""
+    """A game as it was played: its rules, numbers, map, agents and tasks."""
 
     game: str
     hash: str
@@ -28,6 +28,7 @@ class Setting(NamedTuple):
     params: str
     map: str
     num_agents: int
+    tasks: str
 
     @property
     def label(self) -> str:
@@ -39,6 +40,8 @@ class Setting(NamedTuple):
             parts.append(self.params)
         if self.map:
             parts.append(f"map {self.map}")
+        if self.tasks not in ("", "training"):
+            parts.append(f"tasks {self.tasks}")
         if self.params or self.map:  # they say why the rules are others
             return ", ".join(parts)
         current = rules_now(self.game, self.variant)

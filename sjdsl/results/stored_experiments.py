@@ -19,6 +19,8 @@ class Game(_Part):
     hash: str
     num_agents: Count
     params: dict[str, Any]
+    tasks: str | dict[str, Any] | None = None  # which of its tasks were played
+    split: str = ""
 
 
 class Figure(_Part):

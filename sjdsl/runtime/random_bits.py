@@ -8,13 +8,17 @@ fewest that pass BigCrush there (table 2).
 """
 
 import math
+from functools import partial
 
 import jax
 import jax.numpy as jnp
-from jax import Array
+from jax import Array, lax
+
+from sjdsl.runtime.varying import settled
 
 _ROTATIONS = (13, 15, 26, 6, 17, 29, 16, 24)
 ROUNDS = 13
+MOST_UNROLLED = 8  # entries of a deal: with 20 XLA took 3 seconds to compile it
 _PARITY = 0x1BD11BDA
 
 
@@ -135,9 +139,12 @@ def dealt_values(words: Array, number: int) -> Array:
 
     Entry i takes that at place i + floor(word * (number - i) / 2^32) of the list 0 .. number - 1,
     and swaps it with that at place i: a Fisher-Yates shuffle, of which the first entries are kept.
-    Swaps are followed entry by entry: XLA takes minutes to compile a list that is changed as often.
+    Swaps of few entries are followed one by one, which needs no loop when it runs; the time to
+    compile that grows with the square of their number.
     """
     count = words.shape[-1]
+    if count > MOST_UNROLLED:
+        return _dealt_in_a_loop(words, number)
     places = [entry + below(words[..., entry], number - entry) for entry in range(count)]
     moved: list[Array] = []  # what stood at place i when entry i was drawn
     dealt = []
@@ -150,6 +157,23 @@ def dealt_values(words: Array, number: int) -> Array:
         moved.append(at_entry)
         dealt.append(at_place)
     return jnp.stack(dealt, axis=-1)
+
+
+def _dealt_in_a_loop(words: Array, number: int) -> Array:
+    """Returns what `dealt_values` does, by a loop over the entries."""
+    count = words.shape[-1]
+    places = jnp.broadcast_to(jnp.arange(number), (*words.shape[:-1], number))
+
+    def swap(entry: Array | int, values: Array) -> Array:
+        """Returns the list after the swap of one entry: `[..., number]`."""
+        place = (entry + below(words[..., entry], number - entry))[..., None]
+        at_place = jnp.take_along_axis(values, place, axis=-1)
+        at_entry = values[..., entry][..., None]
+        values = jnp.where(places == place, at_entry, values)
+        return jnp.where(places == entry, at_place, values)
+
+    values: Array = lax.fori_loop(0, count, swap, settled(partial(swap, 0), places))
+    return values[..., :count]
 
 
 def unit(word: Array) -> Array:

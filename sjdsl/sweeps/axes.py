@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from sjdsl.experiments.refusals import ExperimentError
+from sjdsl.library.tasks import ARGUMENTS as OF_TASKS
 from sjdsl.near_names import meant
 from sjdsl.several import several
 from sjdsl.trainers.settings.config import KEYS_OF
@@ -13,6 +14,7 @@ from sjdsl.trainers.settings.own_settings import OWN
 
 PARAM = "param."  # before the name of one of the game's numbers
 VARIANT = "variant"
+IN_GAME = (VARIANT, *OF_TASKS)  # axes that are arguments of `sjdsl.make`
 SEEDS = ("seed", "seeds")  # every cell has all seeds, so neither is an axis
 
 
@@ -20,8 +22,8 @@ SEEDS = ("seed", "seeds")  # every cell has all seeds, so neither is an axis
 class Axis:
     """A setting that varies, and its values, one or several: as texts, or as they are."""
 
-    # A key of the configuration, `own.NAME`, `variant`, or `param.NAME`: NAME is a number of the
-    # game, or an entry of a table, `table[word]`.
+    # A key of the configuration, `own.NAME`, `variant`, `tasks`, `split`, `problem`, or
+    # `param.NAME`: NAME is a number of the game, or an entry of a table, `table[word]`.
     name: str
     values: Any  # becomes a tuple
 
@@ -71,11 +73,11 @@ def check_name(name: str) -> str:
     if name.startswith((PARAM, OWN)) and name not in (PARAM, OWN):
         return name
     keys = {key for keys in KEYS_OF.values() for key in keys}
-    known = [*sorted(keys.difference(SEEDS)), VARIANT]
+    known = [*sorted(keys.difference(SEEDS)), *IN_GAME]
     if name not in known:
         hint = meant(name, [*known, PARAM, OWN], "") or (
             ": an axis is a key of the configuration (`sjdsl train --keys` lists them), own.NAME, "
-            "variant, or param.NAME"
+            "param.NAME, variant, tasks, split, or problem"
         )
         raise ExperimentError(f"there is no axis `{name}`{hint}")
     return name
@@ -97,6 +99,16 @@ def as_number(value: Any) -> Any:
         return json.loads(value)
     except ValueError:
         return value
+
+
+def as_argument(name: str, value: Any) -> Any:
+    """Returns the value of an argument of `sjdsl.make`: a number, or `hue=red` as a mapping."""
+    if name == "problem":
+        return as_number(value)
+    if name == "tasks" and isinstance(value, str) and "=" in value:
+        field, _, text = value.partition("=")
+        return with_number({}, field, as_number(text))
+    return value
 
 
 def with_number(params: Mapping[str, Any], path: str, value: Any) -> dict[str, Any]:

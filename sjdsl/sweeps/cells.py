@@ -11,8 +11,19 @@ from typing import TYPE_CHECKING, Any
 from pydantic import BaseModel, ConfigDict
 
 from sjdsl.experiments.refusals import ExperimentError
+from sjdsl.library.tasks import ARGUMENTS as OF_TASKS
+from sjdsl.library.tasks import Tasks, replaced_tasks
 from sjdsl.several import several
-from sjdsl.sweeps.axes import PARAM, VARIANT, Axis, as_configured, as_number, with_number
+from sjdsl.sweeps.axes import (
+    IN_GAME,
+    PARAM,
+    VARIANT,
+    Axis,
+    as_argument,
+    as_configured,
+    as_number,
+    with_number,
+)
 from sjdsl.trainers.settings.config import Config, make_config, require_code, stored_config
 from sjdsl.trainers.settings.config_errors import ConfigError
 from sjdsl.trainers.settings.extensions import short_name
@@ -26,8 +37,8 @@ MAX_NAME = 120  # characters of a cell's name, which is that of its folder
 FIXED = ("map", "num_agents")  # arguments of the environment that can't be axes
 UNUSUAL = re.compile(r"[^A-Za-z0-9._\-]+")
 
-# A game's name or file, its variant and its numbers, and, by name, `map` and `num_agents` if they
-# are set -> the arguments of `sjdsl.make`, and the name and the hash of the game.
+# A game's name or file, its variant and its numbers, and, by name, other arguments of `sjdsl.make`
+# if they are set -> its arguments, and the name and the hash of the game.
 Describe = Callable[..., tuple[dict[str, Any], str, str]]
 
 
@@ -105,6 +116,9 @@ class SweepSpec:
     loggers: "Sequence[LoggerName]" = ()
     map: str | None = None  # a file
     num_agents: int | None = None
+    tasks: Tasks | None = None  # these three as in `sjdsl.make`
+    split: str | None = None
+    problem: int | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "games", tuple(map(str, several(self.games))))
@@ -126,7 +140,7 @@ def make_cell(game: str, chosen: Mapping[str, Any], spec: SweepSpec, describe: D
     keys = {
         name: as_configured(value)
         for name, value in chosen.items()
-        if name != VARIANT and not name.startswith(PARAM)
+        if name not in IN_GAME and not name.startswith(PARAM)
     }
     changes = {**flatten_own(spec.settings), **keys}
     asked = set(keys)  # not the settings of all cells: the plan checks whether some cell reads them
@@ -145,7 +159,7 @@ def make_cell(game: str, chosen: Mapping[str, Any], spec: SweepSpec, describe: D
             provenance, game_name, digest = _describe_stage(
                 game, stage.environment, chosen, spec, describe
             )
-        except ValueError as error:
+        except (ValueError, TypeError) as error:
             raise ExperimentError(f"{in_words}: {error}") from None
         config = stage.config.model_dump(mode="json")
         stages.append(CellStage(hash=digest, provenance=provenance, config=config))
@@ -157,7 +171,7 @@ def make_cell(game: str, chosen: Mapping[str, Any], spec: SweepSpec, describe: D
             value = settings[name]
             if isinstance(value, list) and len(value) == 1:
                 (value,) = value
-        elif name.startswith(PARAM):
+        elif name == "problem" or name.startswith(PARAM):
             value = as_number(value)
         values[name] = value
     return Cell(
@@ -171,7 +185,7 @@ def make_cell(game: str, chosen: Mapping[str, Any], spec: SweepSpec, describe: D
 
 def _set_in_game(spec: SweepSpec) -> list[str]:
     """Returns the arguments that a sweep sets in the games of all cells; numbers as `param.X`."""
-    names = [name for name in (VARIANT, *FIXED) if getattr(spec, name) is not None]
+    names = [name for name in (*IN_GAME, *FIXED) if getattr(spec, name) is not None]
     names += [f"{PARAM}{name}" for name in spec.params]
     return names
 
@@ -188,17 +202,19 @@ def _describe_stage(
     `preset` has the arguments of the environment in the preset.
     """
     params = {**preset.get("params", {}), **spec.params}
-    arguments = dict(preset)
-    for name in (VARIANT, *FIXED):
+    given = {}
+    for name in (*IN_GAME, *FIXED):
         if getattr(spec, name) is not None:
-            arguments[name] = getattr(spec, name)
+            given[name] = getattr(spec, name)
     for name, value in chosen.items():
-        if name == VARIANT:
-            arguments[VARIANT] = value
+        if name in IN_GAME:
+            given[name] = as_argument(name, value)
         elif name.startswith(PARAM):
             params = with_number(params, name.removeprefix(PARAM), as_number(value))
-    fixed = {name: arguments[name] for name in FIXED if name in arguments}
-    return describe(game, arguments.get(VARIANT), params, **fixed)
+    of_tasks = {name: given[name] for name in OF_TASKS if name in given}
+    arguments = {**replaced_tasks(preset, of_tasks), **given}
+    others = {name: arguments[name] for name in (*FIXED, *OF_TASKS) if name in arguments}
+    return describe(game, arguments.get(VARIANT), params, **others)
 
 
 def name_of(game: str, values: Mapping[str, Any]) -> str:

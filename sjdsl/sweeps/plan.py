@@ -6,7 +6,7 @@ from itertools import product
 from pathlib import Path
 
 from sjdsl.experiments.refusals import ExperimentError
-from sjdsl.sweeps.axes import PARAM, VARIANT
+from sjdsl.sweeps.axes import IN_GAME, PARAM
 from sjdsl.sweeps.cells import Cell, Describe, SweepSpec, make_cell
 from sjdsl.trainers.settings.config import KEYS_OF, only_of_others
 from sjdsl.trainers.settings.own_settings import OWN, flatten_own
@@ -90,8 +90,7 @@ def _check_axes(spec: SweepSpec) -> None:
     if not spec.axes:
         raise ExperimentError("say what varies: --axis NAME=value,value,…")
     fixed = {*flatten_own(spec.settings), *(f"{PARAM}{name}" for name in spec.params)}
-    if spec.variant is not None:
-        fixed.add(VARIANT)
+    fixed |= {name for name in IN_GAME if getattr(spec, name) is not None}
     for axis in spec.axes:
         if not axis.values:
             raise ExperimentError(f"the axis `{axis.name}` has no values; name one or more")

@@ -152,6 +152,7 @@ def describe_with_make(
     params: Mapping[str, Any],
     map: str | None = None,
     num_agents: int | None = None,
+    **of_tasks: Any,
 ) -> tuple[dict[str, Any], str, str]:
     """Returns the arguments of a game's environment, its name and its hash."""
     provenance: dict[str, Any] = {
@@ -160,6 +161,7 @@ def describe_with_make(
         "map": None if map is None else str(Path(map).resolve()),
         "num_agents": num_agents,
         "params": dict(params),
+        **of_tasks,
     }
     env = sjdsl.make(**provenance)
     return provenance, env.name, env.hash

@@ -134,6 +134,11 @@ class English(Analysis[Phrase]):
                 left = fold(e.left, self).text
                 right = fold(e.right, self).text
                 return _simple(f"the distance from {left} to {right}")
+            case ir.Bearing():
+                left = fold(e.left, self).text
+                right = fold(e.right, self).text
+                side = "ahead of" if e.fn == "steps_ahead" else "to the right of"
+                return _simple(f"the number of steps that {right} is {side} {left}")
             case ir.At():
                 return self._entry(e)
             case ir.Step():

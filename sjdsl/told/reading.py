@@ -106,7 +106,8 @@ def _planes(window: Window, game: ir.Game) -> list[str]:
     for plane in window.planes[2:]:
         if plane.encoding == "number":
             low = number(lowest.get(plane.name.partition(".")[2], 0))
-            values = "a timer" if plane.name in timers else f"{low} to {plane.high}"
+            is_timer = plane.name.partition("[")[0] in timers
+            values = "a timer" if is_timer else f"{low} to {plane.high}"
             lines.append(f"- {plane.name}: {values}")
         elif plane.name != "marks":
             labels = list(plane.labels)

@@ -409,6 +409,11 @@ class _Player:
                 "a distance counts steps along rows and columns, whatever stands between"
                 + (", the shorter way round" if self.game.wraps else "")
             )
+        if self._all(ir.Bearing):
+            notes.append(
+                "steps ahead or to the right are counted as one looks, whatever stands between, "
+                "and are below 0 behind and to the left"
+            )
         if self._all(ir.At):
             notes.append("x[a] is the entry of x for a")
         return notes

@@ -236,3 +236,19 @@ def test_evaluation_compares_training_and_held_out_tasks(
     difference = stored["summary"]["final paid"]["mean"] - of_split["summary"]["final paid"]["mean"]
     assert difference != 0  # red pays 0 to 2 in late tasks
     assert of_split["training_minus_held_out"] == {"mean": 0, "low": 0, "high": 0}
+
+
+def test_a_sweep_and_a_preset_choose_tasks(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sweep = ["sweep", str(CASE), "--run", str(tmp_path / "runs"), "--dry-run", "--preset"]
+    assert run([*sweep, "two_cores", "--axis", "split=late,rich", "--tasks", "held_out"]) == 0
+    assert "splits_split-late" in capsys.readouterr().out
+    assert run([*sweep, "two_cores", "--axis", "problem=a"]) == 1
+    assert "a problem is a whole number, not 'a'" in capsys.readouterr().err
+    preset = tmp_path / "mine.toml"
+    preset.write_text('extends = "two_cores"\n[environment]\ntasks = { feding = "red" }\n')
+    assert run(["train", str(CASE), "--preset", str(preset)]) == 1
+    assert "did you mean `feeding`" in capsys.readouterr().err
+    assert run([*sweep, str(preset), "--axis", "learning_rate=1"]) == 1
+    assert "did you mean `feeding`" in capsys.readouterr().err

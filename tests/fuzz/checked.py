@@ -111,17 +111,13 @@ def observe(w: World) -> list[Lines]:
         else []
     )
     for d in w.defines:
-        if not d.parameters and w.is_now(0.3):
+        if d.parameters in ((), ("agent",)) and w.is_now(0.3):
+            name = f"{d.name}(agent)" if d.parameters else d.name
             whole = d.type.kind in ("condition", "word") or (
                 d.type.kind == "int" and d.type.low >= 0 and d.type.high <= 255
             )
-            lines.append(
-                _perhaps_when(
-                    w,
-                    "",
-                    f"show {d.name}" + ("" if whole else f" as {{ {_labels(w, '', LABELS)} }}"),
-                )
-            )
+            labels = "" if whole else f" as {{ {_labels(w, '', LABELS)} }}"
+            lines.append(_perhaps_when(w, "", f"show {name}{labels}"))
     whole = [name for name in w.kinds if w.is_now(0.15)]
     looks = [name for name, kind in w.kinds.items() if name in whole or not kind.fields]
     for name in whole:

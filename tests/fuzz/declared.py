@@ -120,7 +120,7 @@ class World:
         return (name,) if name in self.kinds else self.groups[name]
 
     def cell_fields(self, kinds: tuple[str, ...]) -> list[Field]:
-        """Returns the fields all the kinds have, with one type."""
+        """Returns the fields all the kinds have, with one type, capped in all of them or in none."""
         first, *others = (self.kinds[k].fields for k in kinds)
         alike = {f.name: f for f in first}
         for fields in others:
@@ -128,7 +128,8 @@ class World:
             alike = {
                 n: f
                 for n, f in alike.items()
-                if n in given and (given[n].type, given[n].timer) == (f.type, f.timer)
+                if n in given
+                and (given[n].type, given[n].timer, given[n].capped) == (f.type, f.timer, f.capped)
             }
         return list(alike.values())
 

@@ -264,9 +264,10 @@ def a_field(w: World, name: str, sets: bool, sort: str = "") -> Field:
     rows = f" by {by[0]}" if by else ""
     match sort:
         case "timer":
-            return Field(
-                name, ir.Type(kind="int", unit="steps", low=0), f"timer {name}", timer=True
-            )
+            by = (w.level(),) if w.is_now(0.2) else ()
+            rows = f" by {by[0]}" if by else ""
+            type_ = ir.Type(kind="int", unit="steps", low=0, indexed_by=by)
+            return Field(name, type_, f"timer {name}{rows}", timer=True)
         case "word":
             words = r.choice(w.word_sets)
             text = f"field {name}{rows} : {{ {', '.join(words)} }} = {r.choice(words)}"

@@ -427,6 +427,10 @@ def apart(scope: Scope) -> Typed | None:
     if not placed:
         return None
     names = [w.random.choice(placed) for _ in "ab"]
+    turning = {v.name for v in scope.variables if v.turns}
+    if names[0] in turning and names[0] > names[1]:
+        farthest = max(len(w.rows), len(w.rows[0])) - 1
+        return f"steps_ahead({', '.join(names)})", whole_type(-farthest, farthest, "cells")
     return f"distance({', '.join(names)})", whole_type(0, len(w.rows) + len(w.rows[0]) - 2, "cells")
 
 

@@ -41,6 +41,7 @@ NEVER = {
     "task_field: FIELD NAME COLON different type": "only the entries of a row are different",
 }
 NO_PART = {
+    "Bearing.fn = steps_right": "no mirror keeps it; tests/runtime/test_bearings.py has it",
     "Mix": "the generator does not write mixes",
     "Look.what = mover": "the generator does not write looks of movers",
     "Game.chosen has some": "no variant is chosen",

@@ -36,7 +36,8 @@ class Stream:
 def streams(game: ir.Game) -> dict[int, Stream]:
     """Returns every stream that a step or a reset can draw from."""
     found: dict[int, Stream] = {}
-    for turn in (game.start, *game.starting, *game.schedule):
+    of_task = () if game.task is None else (game.task.draw,)
+    for turn in (*of_task, game.start, *game.starting, *game.schedule):
         if isinstance(turn, ir.Phase):
             _block(turn.body, (), board_of(game), found)
     return found
@@ -48,6 +49,9 @@ def _block(
     for statement in body:
         inside = around
         match statement:
+            case ir.Draw(by=ir.Level() as by):
+                entry = Digit("agent" if by.kind == "agent" else "fixed", len(by))
+                found[statement.stream] = Stream((*around, entry))
             case ir.Chance() | ir.Draw():
                 found[statement.stream] = Stream(around)
             case ir.Set(lot=int(stream)):

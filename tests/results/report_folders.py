@@ -97,6 +97,8 @@ def write_run(
     rules: str | None = None,
     provenance: Mapping[str, Any] | None = None,
     device: str = "cpu",
+    tasks: Mapping[str, Any] | None = None,
+    held_out: Mapping[str, Sequence[Mapping[str, float]]] | None = None,
     **config: Any,
 ) -> Path:
     """Writes the folder of a run; returns it.
@@ -104,6 +106,8 @@ def write_run(
     Args:
       returns: what the last policy of each seed earned; None: it was not evaluated.
       measures: other figures of the evaluations, a value a seed.
+      tasks: what the manifest says of the tasks played, `tasks` and `split`.
+      held_out: by split, what the policy of each seed earned there, and other figures by name.
     """
     small = (
         SMALL
@@ -121,7 +125,7 @@ def write_run(
     )
     manifest = {
         "status": status,
-        "game": described(game, rules),
+        "game": {**described(game, rules), **(tasks or {})},
         "provenance": {
             "game": game,
             "variant": None,
@@ -148,10 +152,14 @@ def write_run(
                 "return of agent 0": earned,
                 **{name: values[number] for name, values in (measures or {}).items()},
             }
-            summary = {
-                name: {"mean": value, "low": value - 1, "high": value + 1}
-                for name, value in figures.items()
-            }
+            of_splits = {}
+            for split, of_seeds in (held_out or {}).items():
+                there = of_seeds[number]
+                minus = {"mean": earned - there["collective return"], "low": None, "high": None}
+                of_splits[split] = {
+                    "summary": summarised(there),
+                    "training_minus_held_out": minus,
+                }
             write_json(
                 own / "evaluation.json",
                 {
@@ -160,10 +168,19 @@ def write_run(
                     "seed": 0,
                     "greedy": None,
                     "episodes": 30,
-                    "summary": summary,
+                    "summary": summarised(figures),
+                    **({"held_out": of_splits} if of_splits else {}),
                 },
             )
     return folder
+
+
+def summarised(figures: Mapping[str, float]) -> dict[str, dict[str, float]]:
+    """Returns figures with an interval of 1 to each side."""
+    return {
+        name: {"mean": value, "low": value - 1, "high": value + 1}
+        for name, value in figures.items()
+    }
 
 
 def write_metrics(folder: Path, steps_per_update: int, earned: float) -> None:

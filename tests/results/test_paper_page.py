@@ -75,6 +75,7 @@ def test_claims_compare_seeds_with_the_same_ore() -> None:
         "status": "done",
     }
     columns |= {
+        "tasks": "",
         "algorithm": "ippo",
         "sharing": "shared",
         "steps": 10,

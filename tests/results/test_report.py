@@ -10,7 +10,7 @@ from report_folders import read, write_diagram, write_everything, write_run
 from sjdsl.cli import run
 from sjdsl.results import ResultsError, write_report
 from sjdsl.results.page import Section, page_text
-from sjdsl.results.sections import chosen_games, returns, trials
+from sjdsl.results.sections import chosen_games, held_out, returns, trials
 
 COMMAND = "sjdsl report runs"
 CONTRASTS = dict.fromkeys(("A", "B", "fear", "greed"), (1.0, 0.5, 1.5))
@@ -51,6 +51,58 @@ def test_a_game_with_trials_has_its_return_in_each(tmp_path: Path) -> None:
     # Student's t with one degree of freedom is 12.71, from a printed table; the standard error 1.
     assert [row[3] for row in rows] == ["41 [28.29, 53.71]", "60 [60, 60]"]
     assert trials(read(tmp_path / "other").frame).tables == ()
+
+
+TRIAL = "collective return of trial 0"
+RULES = {"rules": "0c"}  # a hash
+
+
+def test_held_out_tasks_stand_beside_training_tasks(tmp_path: Path) -> None:
+    late = [{"collective return": 90.0, TRIAL: 8.0}, {"collective return": 98.0, TRIAL: 9.0}]
+    write_run(
+        tmp_path / "run",
+        "orchard",
+        (100.0, 106.0),
+        tasks={"tasks": "training", "split": ""},
+        measures={TRIAL: (10.0, 11.0)},
+        held_out={"late": late},
+        **RULES,
+    )
+    write_run(tmp_path / "other", "harvest_open", (10.0, 12.0))  # a game without tasks
+    frame = read(tmp_path).frame
+    (row,) = texts(held_out(frame))
+    # 100 - 90 and 106 - 98; Student's t with one degree of freedom is 12.71, the standard error 1.
+    last = "9 [-3.706, 21.71]"
+    assert row[:3] == ["orchard", "IPPO, individual", "late"]
+    assert row[3].startswith("103 ")
+    assert row[4].startswith("94 ")
+    assert row[5] == last
+    assert [line[2] for line in texts(trials(frame))] == ["0", "0, held out late"]
+    write_report([tmp_path], tmp_path / "out", COMMAND)
+    again = read(tmp_path / "out" / "data").frame
+    assert texts(held_out(again)) == [row]
+
+
+def test_runs_on_other_tasks_are_never_averaged(tmp_path: Path) -> None:
+    """Their rules, settings and seeds are the same."""
+    sides = {
+        "": {"tasks": "training", "split": ""},
+        ", tasks all": {"tasks": "all", "split": ""},
+        ", tasks held_out late": {"tasks": "held_out", "split": "late"},
+        ", tasks held_out rich": {"tasks": "held_out", "split": "rich"},
+        ", tasks hue=red pay[red]=3": {"tasks": {"hue": "red", "pay[red]": 3}, "split": ""},
+    }
+    for number, tasks in enumerate(sides.values()):
+        earned = (10.0 * number, 10.0 * number)
+        write_run(tmp_path / f"run_{number}", "orchard", earned, tasks=tasks, **RULES)
+        write_run(tmp_path / f"more_{number}", "orchard", earned, first=2, tasks=tasks, **RULES)
+    frame = read(tmp_path).frame
+    rows = {row[0]: row[2] for row in texts(returns(frame))}
+    expected = {}
+    for number, name in enumerate(sides):
+        expected[f"orchard{name}"] = f"{10 * number} [{10 * number}, {10 * number}]"
+    assert rows == expected
+    assert frame.run.nunique() == len(sides)
 
 
 def test_ways_of_training_are_named_by_the_values_in_which_they_differ(tmp_path: Path) -> None:

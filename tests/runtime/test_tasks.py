@@ -31,7 +31,9 @@ def shuffled(words: np.ndarray, number: int) -> list[int]:
     return values[: len(words)]
 
 
-@pytest.mark.parametrize(("entries", "number"), [(1, 1), (3, 3), (3, 10), (7, 16), (64, 256)])
+@pytest.mark.parametrize(
+    ("entries", "number"), [(1, 1), (3, 3), (3, 10), (8, 8), (9, 9), (9, 16), (64, 256)]
+)
 def test_dealt_values_are_those_of_a_shuffle(entries: int, number: int) -> None:
     words = np.random.default_rng(entries).integers(0, 2**32, (50, entries), np.uint32)
     words[0] = 2**32 - 1

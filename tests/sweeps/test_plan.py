@@ -1,6 +1,7 @@
 """From axes to cells: names, configurations, seeds, and what is refused."""
 
 import re
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -99,3 +100,31 @@ def test_what_no_command_line_can_ask_for_is_refused() -> None:
         plan("reward=common", games=())
     with pytest.raises(ExperimentError, match="10,001 cells, and 10,000 are the most"):
         plan(f"learning_rate={','.join(map(str, range(1, 10_002)))}")
+
+
+def of_tasks(cell: Any) -> dict[str, Any]:
+    """Returns the arguments of a cell's environment that choose its tasks."""
+    names = ("tasks", "split", "problem")
+    return {name: cell.provenance[name] for name in names if name in cell.provenance}
+
+
+def test_tasks_are_axes_or_the_same_in_all_cells() -> None:
+    all_tasks, red, three = plan("tasks=all,hue=red,pay[red]=3")
+    assert of_tasks(all_tasks) == {"tasks": "all"}
+    assert of_tasks(red) == {"tasks": {"hue": "red"}}
+    assert of_tasks(three) == {"tasks": {"pay": {"red": 3}}}
+    assert [red.name, three.name] == ["coins_tasks-hue-red", "coins_tasks-pay-red-3"]
+    (cell,) = plan("problem=7", tasks="held_out", split="late")
+    assert of_tasks(cell) == {"tasks": "held_out", "split": "late", "problem": 7}
+    assert cell.values == {"problem": 7}
+    with pytest.raises(ExperimentError, match="`tasks` is an axis, and is also set for all cells"):
+        plan("tasks=all", tasks="training")
+
+
+def test_a_choice_of_tasks_replaces_that_of_a_preset(tmp_path: Path) -> None:
+    preset = tmp_path / "mine.toml"
+    preset.write_text('[environment]\ntasks = "held_out"\nsplit = "late"\n')
+    kept, *_ = plan("learning_rate=1", preset=str(preset))
+    assert of_tasks(kept) == {"tasks": "held_out", "split": "late"}
+    replaced, *_ = plan("problem=7", preset=str(preset))
+    assert of_tasks(replaced) == {"problem": 7}

@@ -12,6 +12,7 @@ from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.interpreter.board import board_of, declared_world
 from sjdsl.interpreter.state import HEADINGS, Cell, Mover, World, copied, default_params
+from sjdsl.library.tasks import with_tasks
 from sjdsl.render.playing import play as play_compiled
 from sjdsl.render.playing import random_policy
 from sjdsl.trace.actions import RANDOM, read_actions
@@ -154,6 +155,31 @@ def test_changes_make_the_next_state(path: Path, steps: int) -> None:
             moment,
         )
         world = moment.world
+
+
+@pytest.mark.parametrize("tasks", ["training", {"feeding": "blue", "pay[red]": 4}])
+def test_the_start_tells_the_tasks_that_are_played(tasks: str | dict[str, str | int]) -> None:
+    """A side of a split, and fields that are fixed, change what was drawn; the trace says so."""
+    path = REPOSITORY / "tests/cases/splits.sj"
+    game = with_tasks(build(read_source(path)).game, tasks)
+    assert game.task is not None
+    number_changed = 0
+    for seed in range(5):
+        params = default_params(game)
+        moment = begin(game, params, key_of(seed))
+        world = declared_world(board_of(game), params)
+        turns = [turn for turn in moment.turns if turn.label.startswith("task")]
+        assert [turn.label for turn in turns] == [
+            "task rules",
+            "task rules, the tasks that are played",
+        ]
+        number_changed += len(turns[1].effects)
+        for turn in turns:
+            for effect in turn.effects:
+                put(effect, game, world)
+        for name in game.task.fields:
+            assert world.fields[name] == moment.world.fields[name]
+    assert number_changed > 3
 
 
 def test_words_are_those_of_jax() -> None:

@@ -39,6 +39,17 @@ def test_a_preset_may_name_a_game(tmp_path: Path) -> None:
     )
 
 
+def test_a_preset_may_choose_tasks(tmp_path: Path) -> None:
+    side = '[environment]\ntasks = "held_out"\nsplit = "late"\nproblem = 3\n'
+    (tmp_path / "side.toml").write_text(side)
+    chosen = load_preset(tmp_path / "side.toml", game="a")
+    assert chosen.environment == {"tasks": "held_out", "split": "late", "problem": 3}
+    fields = 'extends = "side.toml"\n[environment]\ntasks = { hue = "red" }\n'
+    (tmp_path / "fields.toml").write_text(fields)
+    merged = load_preset(tmp_path / "fields.toml", game="a")
+    assert merged.environment["tasks"] == {"hue": "red"}
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -54,6 +65,7 @@ def test_a_preset_may_name_a_game(tmp_path: Path) -> None:
             '[games.coins.environment]\nnum_agents = "3"\n',
             r"mine\.toml: games\.coins: environment: `num_agents` must be a whole number, not '3'",
         ),
+        ("[environment]\ntasks = 3\n", r"environment: `tasks` must be text or a table, not 3"),
         ("[algorithm]\nippo = 3\n", r"mine\.toml: algorithm: `ippo` must be a table, not 3"),
         (
             "[algorithm.ipo]\nseed = 3\n",

@@ -21,6 +21,15 @@ class Figure(BaseModel):
     high: float | None
 
 
+class HeldOut(BaseModel):
+    """The same policy in the held-out tasks of a split."""
+
+    model_config = ConfigDict(strict=True)
+
+    summary: dict[str, Figure]
+    training_minus_held_out: Figure  # of the collective return
+
+
 class StoredEvaluation(BaseModel):
     """What is read of an evaluation; the file also has the results of each episode."""
 
@@ -32,6 +41,7 @@ class StoredEvaluation(BaseModel):
     greedy: bool | None
     episodes: Annotated[int, Field(ge=1, lt=2**31)]
     summary: dict[str, Figure]
+    held_out: dict[str, HeldOut] = {}  # by split
 
 
 def read_evaluation(path: Path) -> StoredEvaluation | None:

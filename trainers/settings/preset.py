@@ -6,7 +6,7 @@ game = "coins"          # optional: the game to train in if none is named
 only_listed = true      # optional: refuse games without a table
 
 [environment]           # further arguments of sjdsl.make, for the preset's game if it names one
-num_agents = 2
+num_agents = 2          # also variant, map, params, tasks, split and problem
 
 [config]                # keys of the configuration
 learning_rate = 1e-3
@@ -41,6 +41,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
+from types import UnionType
 from typing import Any, get_args
 
 from sjdsl.files import MEGABYTE, read_bytes
@@ -51,18 +52,28 @@ from .extensions import Algorithm, RewardMode
 from .own_settings import OWN, flatten_own
 from .stage_settings import STAGES, check_settings
 
+Kind = type | UnionType  # of a value
 FOR_ANY = {"environment": dict, "config": dict, "algorithm": dict, "reward": dict}
-ENVIRONMENT = {"variant": str, "map": str, "num_agents": int, "params": dict}
+ENVIRONMENT = {
+    "variant": str,
+    "map": str,
+    "num_agents": int,
+    "params": dict,
+    "tasks": str | dict,
+    "split": str,
+    "problem": int,
+}
 FOR_A_GAME = {**FOR_ANY, STAGES: list}
 SECTIONS = {"extends": str, "game": str, "only_listed": bool, "games": dict, **FOR_A_GAME}
 NAMES = {"algorithm": get_args(Algorithm), "reward": get_args(RewardMode)}
 LARGEST = MEGABYTE  # bytes of a preset's file
-MEANS = {
+MEANS: dict[Kind, str] = {
     str: "text",
     int: "a whole number",
     bool: "true or false",
     dict: "a table",
     list: "a list of tables",
+    str | dict: "text or a table",
 }
 
 
@@ -229,7 +240,7 @@ def _merge(lower: Mapping[str, Any], upper: Mapping[str, Any]) -> dict[str, Any]
     """Returns two trees of tables merged; values of `upper` win."""
     merged = {**lower, **upper}
     for name, value in upper.items():
-        if name in lower and isinstance(value, dict):
+        if isinstance(value, dict) and isinstance(lower.get(name), dict):
             merged[name] = _merge(lower[name], value)
     return merged
 
@@ -279,7 +290,7 @@ def _reward_tables(of_algorithm: Mapping[str, Any]) -> dict[Any, Any]:
 
 
 def _check_tables(
-    tables: Mapping[str, Any], known: Mapping[str, type], where: str, of_stages: str = ""
+    tables: Mapping[str, Any], known: Mapping[str, Kind], where: str, of_stages: str = ""
 ) -> None:
     """Raises ConfigError for an unknown key, a value of the wrong type, or a stage with either.
 
@@ -301,7 +312,7 @@ def _check_tables(
         _check_tables(stage, FOR_ANY, place)
 
 
-def _check(tables: Mapping[str, Any], known: Mapping[str, type], where: str) -> None:
+def _check(tables: Mapping[str, Any], known: Mapping[str, Kind], where: str) -> None:
     """Raises ConfigError for an unknown key, or a value of the wrong type."""
     for key, value in tables.items():
         if key not in known:

@@ -9,7 +9,7 @@ syntax match sjKeywordOperatorWord '\<\(after\|ahead\|aim\|all\|along\|and\|any\
 syntax match sjKeywordOtherStatement '\<\(add\|draw\|end\|give\|let\|mark\|move\|remove\|send\|set\|tally\)\>'
 syntax match sjStorageType '\<\(about\|acts\|agents\|always\|blocks\|checks\|cite\|conserved\|define\|drop\|episode\|event\|expect\|extends\|field\|final\|forbid\|game\|glyph\|group\|hide\|hold\|kind\|look\|map\|mean\|metrics\|monotone\|movers\|moves\|observe\|once\|param\|phase\|policy\|require\|scenario\|schedule\|shape\|show\|size\|sj\|symmetric\|task\|timer\|train\|variant\|where\|window\)\>'
 syntax match sjKeywordControl '\<\(case\|chance\|each\|first\|match\|otherwise\|pick\|when\)\>'
-syntax match sjSupportFunction '\<\(abs\|before\|chicken\|count\|distance\|exp\|highest\|log\|lowest\|max\|min\|mix\|prisoners_dilemma\|quotient\|ramp\|round\|shift\|sqrt\|stag_hunt\|sum\)\ze\s*('
+syntax match sjSupportFunction '\<\(abs\|before\|chicken\|count\|distance\|exp\|highest\|log\|lowest\|max\|min\|mix\|prisoners_dilemma\|quotient\|ramp\|round\|shift\|sqrt\|stag_hunt\|steps_ahead\|steps_right\|sum\)\ze\s*('
 syntax match sjVariableLanguage '\<\(agent\|step\)\>'
 syntax match sjConstantLanguage '\<\(east\|no\|nobody\|north\|nowhere\|same\|south\|west\|yes\)\>'
 syntax match sjPunctuationSeparator '\(:\)\ze\(\s*\)\(cells\|count\|fraction\|number\|probability\|reward\|steps\|word\)\>' nextgroup=sjSupportType skipwhite

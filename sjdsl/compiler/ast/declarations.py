@@ -146,6 +146,8 @@ class Field(Named):
 class Timer(Named):
     """`timer digesting`"""
 
+    by: By | None
+
 
 class Blocks(Node):
     what: tuple[Name, ...]
@@ -260,7 +262,10 @@ class Relabel(Node):
 
 
 class Show(Node):
+    """`observer`: of `show define(agent)`."""
+
     what: Path
+    observer: Name | None
     labels: tuple[Relabel, ...]
     condition: Expr | None
 

@@ -8,7 +8,7 @@ from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.scope import Static
 from sjdsl.compiler.ir.names import STATE, state_names
-from sjdsl.compiler.ir.queries import all_fields, body_sort, can_be, phases_of
+from sjdsl.compiler.ir.queries import all_fields, body_sort, phases_of, sets
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.runtime.actions import MOVES
 
@@ -60,12 +60,8 @@ def check_timers(game: ir.Game, composition: Composition, problems: Problems) ->
 
 def _starts_of(turns: tuple[ir.Turn, ...], timer: ir.VarField) -> list[ir.Set]:
     """Returns the statements that set a timer to something that can be above 0."""
-    sets = [node for turn in turns for node in ir.walk(turn) if isinstance(node, ir.Set)]
-    return [
-        s
-        for s in sets
-        if isinstance(s.target, ir.FieldRead) and can_be(s.target, timer) and s.value.type.high > 0
-    ]
+    starts = (node for turn in turns for node in ir.walk(turn) if isinstance(node, ir.Set))
+    return [s for s in starts if sets(s, timer) and s.value.type.high > 0]
 
 
 def check_unused(

@@ -214,6 +214,8 @@ def _counted_on(value: ir.Expr, held: tuple[str, str]) -> ir.Expr | None:
             return _counted_on(value.value, held)
         case ir.Arithmetic(fn=fn, args=(left, right)) if CALCULATIONS[fn].factors == (1, 1):
             for one, other in ((left, right), (right, left)):
+                while isinstance(one, ir.At):
+                    one = one.row
                 if isinstance(one, ir.FieldRead) and (one.held_by.what, one.name) == held:
                     return other
     return None

@@ -346,9 +346,8 @@ SLIPS = {
             "a rule moves an agent with `send`, `send agent to grass`; "
             "`move each agent` does what the agents chose",
         # declarations that begin as ours do
-        r"timer \w+ ¦ by .*":
-            "a timer has no entries: count a row down with `add -1`, "
-            "`field due by agent : 0 .. 9 capped = 0`",
+        r"show \w+ \( \w+ ¦ [,.\[].*":
+            "of the observer, a `define` is shown: `define way(a) = …`, `show way(agent)`",
         r"timer \w+ ¦ [:=] .*": "a timer begins at 0, and a rule starts it: `set agent.due = 5`",
         r"(param|size) \w+ ¦ = .*": "a number has a unit: `param apple : reward = 1`",
         r"field \w+ ¦ = .*": "a field has a type: `field score : 0 .. 9 = 0`",

@@ -474,7 +474,9 @@ def _is_out_of_sight(node: ir.Node) -> bool:
     if isinstance(node, ir.Aggregate):
         return True
     match node:
-        case ir.StandsOn() | ir.StandsAt() | ir.Chose() | ir.ChoseWith() | ir.Distance():
+        case ir.StandsOn() | ir.StandsAt() | ir.Chose() | ir.ChoseWith():
+            return True
+        case ir.Distance() | ir.Bearing():
             return True
         case ir.Attribute(name="row" | "col"):
             return True

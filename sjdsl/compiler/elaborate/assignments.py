@@ -15,6 +15,7 @@ from sjdsl.compiler.elaborate.streams import PhaseUse
 from sjdsl.compiler.elaborate.trials import TRIAL
 from sjdsl.compiler.ir.implications import narrowed
 from sjdsl.compiler.ir.printer import expression_text as text
+from sjdsl.compiler.ir.queries import written_field
 from sjdsl.compiler.ir.range_arithmetic import FLOAT32, Range
 from sjdsl.compiler.ir.types import describe, has_limits, is_number
 
@@ -142,6 +143,18 @@ def _instead_of_set(s: ast.Set, field: ir.VarField, target: ir.Expr, scope: Scop
     return f"{ONLY_ADD}: {BOUND_BOTH}"
 
 
+def _check_capped_alike(s: ast.Add, target: ir.Expr, scope: Scope) -> None:
+    """Reports an `add` to a field of a group that is `capped` in some of its kinds only."""
+    field = written_field(target)
+    if field.held_by.what != "cell":
+        return
+    capped = [k for k in field.held_by.names if scope.static.kinds[k][field.name].capped]
+    if capped and len(capped) < len(field.held_by.names):
+        wanted = "a field that is `capped` in every kind of the group, or in none"
+        actual = f"one that is capped in {', '.join(f'`{kind}`' for kind in capped)} only"
+        raise scope.expected(s.target.span, wanted, actual)
+
+
 def add(s: ast.Add, scope: Scope) -> ir.Stmt:
     """Returns `add value to target`: a number, a row to a row, an agent to a set."""
     target, field = _target_beside(s, scope)
@@ -156,6 +169,7 @@ def add(s: ast.Add, scope: Scope) -> ir.Stmt:
         raise wrong_type(scope, s.target, wanted, target.type, help_)
     if value.type.indexed_by != target.type.indexed_by:
         raise wrong_type(scope, s.value, describe(target.type), value.type)
+    _check_capped_alike(s, target, scope)
     check_number(s.value, target.type, value, scope)
     if target.type.kind == "real" and has_limits(target.type):
         _check_added_real(s, target, value, field.capped, scope)

@@ -100,7 +100,8 @@ def _word_sets(game: Composition) -> Iterator[ast.Words]:
     places: list[object] = []
     for field in game.declared_fields():
         if isinstance(field, ast.Field):
-            places += [field.type, field.by]
+            places.append(field.type)
+        places.append(field.by)
     places += [metric.by for metric in game.metrics.values() if isinstance(metric, ast.Event)]
     places += [number.by for number in game.constants.values()]
     for declared in game.task_fields().values():

@@ -33,7 +33,7 @@ from sjdsl.compiler.elaborate.lookup import (
     read_beside,
     use_define,
 )
-from sjdsl.compiler.elaborate.paths import distance, path
+from sjdsl.compiler.elaborate.paths import bearing, distance, path
 from sjdsl.compiler.elaborate.regrouping import add_regrouped
 from sjdsl.compiler.elaborate.row_functions import (
     beyond_one,
@@ -431,6 +431,7 @@ BUILDERS: dict[type[ir.Node], Callable[[Function, ast.Call, Scope], ir.Expr]] = 
     ir.Mix: mix,
     ir.ShiftRow: shifted,
     ir.Distance: distance,
+    ir.Bearing: bearing,
     ir.Before: before,
     ir.MatrixClass: matrix_class,
 }

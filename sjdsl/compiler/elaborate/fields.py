@@ -79,7 +79,8 @@ def one_field(declared: ast.Field | ast.Timer, scope: Scope, held_by: ir.Sort) -
             errors.BadName(declared.name.span, name=name, role=role, problem=problem)
         )
     if isinstance(declared, ast.Timer):
-        type_ = ir.Type(kind="int", unit="steps", low=0, high=inf)
+        by = () if declared.by is None else (level_of(declared.by, scope),)
+        type_ = ir.Type(kind="int", unit="steps", low=0, high=inf, indexed_by=by)
         return ir.VarField(name=name, held_by=held_by, type=type_, timer=True, start=0, origin=span)
     type_ = field_type(declared.type, scope)
     start = start_value(declared, type_, scope)

@@ -180,11 +180,11 @@ def _check_places(what: str, test: ir.Expr, scope: Scope) -> None:
 
 
 def _is_place(node: ir.Node) -> bool:
-    """Returns whether an expression is the place of `everyone`, or a distance from it."""
+    """Returns whether an expression is the place of `everyone`, or the way to it or from it."""
     match node:
         case ir.Attribute(owner=ir.Member(name="everyone"), name="row" | "col"):
             return True
-        case ir.Distance():
+        case ir.Distance() | ir.Bearing():
             return any(
                 isinstance(place, ir.Member) and place.name == "everyone"
                 for place in (node.left, node.right)
@@ -268,6 +268,8 @@ def _agent_labels(key: Key, field: ir.VarField) -> tuple[ir.Label, ...]:
 def _check_plain(show: ast.Show, what: What, type_: ir.Type, scope: Scope) -> None:
     """Reports a field that cannot be shown as it is, with labels to show it by."""
     path = path_text(show.what)
+    if show.observer is not None:
+        path += f"({show.observer.text})"
     labels = {
         "agent": f"mine where {path} is agent, theirs",
         "agents": f"ours where agent in {path}, theirs",

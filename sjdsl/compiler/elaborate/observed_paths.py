@@ -7,12 +7,14 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.compose import path_text
 from sjdsl.compiler.diagnostics import errors
+from sjdsl.compiler.diagnostics.diagnostic import Fix
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, no_field
 from sjdsl.compiler.elaborate.paths import attribute_types
 from sjdsl.compiler.elaborate.scope import Scope, Static, wrong_type
 from sjdsl.compiler.ir.implications import narrowed
+from sjdsl.compiler.ir.operations import FUNCTIONS
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.ir.types import words
 
@@ -30,7 +32,7 @@ class Seen(Record):
     """What a path names.
 
     field: None for cells or movers as a whole. value: of `step` or a define, which is seen as a
-      field of the world would be.
+      field of the world would be, or of the observer.
     """
 
     key: Key
@@ -66,6 +68,8 @@ def resolve(observable: ast.Show | ast.Hide, scope: Scope) -> list[Seen]:
     path = observable.what
     static = scope.static
     head = path.name.text
+    if isinstance(observable, ast.Show) and observable.observer is not None:
+        return [_of_observer(path, observable.observer, scope)]
     members = [step.name for step in path.steps if isinstance(step, ast.Member)]
     wanted = "`agent.field`, `other.field`, `everyone.field` or `kind.field`"
     if len(members) != len(path.steps):
@@ -87,7 +91,9 @@ def resolve(observable: ast.Show | ast.Hide, scope: Scope) -> list[Seen]:
         if head in static.kinds or has_labels:
             return [Seen(("cell", kind, "")) for kind in kinds]
     if is_show and (head == "step" or head in static.defines):
-        return [_computed(path, scope)]
+        if head in static.defines and len(static.defines[head].parameters) == 1:
+            raise _without_observer(path, scope)
+        return [_computed("world", path, path.name, scope)]
     if head not in static.fields:
         raise _without_field(observable, scope)
     static.use(path.name, Symbol("name", head))
@@ -105,20 +111,47 @@ def _whole_row(path: ast.Path, static: Static) -> str:
     return help_
 
 
-def _computed(path: ast.Path, scope: Scope) -> Seen:
-    """Returns `step` or a define, with the interval of its numbers between two steps."""
-    observer = observer_scope("world", "", "", scope)
-    value = observer.expression(path)
+def _of_observer(define: ast.Path, observer: ast.Name, scope: Scope) -> Seen:
+    """Returns the value that a define has for the observer."""
+    name = define.name.text
+    if define.steps or name not in scope.static.defines:
+        help_ = ""
+        if name in FUNCTIONS:
+            help_ = f"write a define of it: `define way(a) = {name}(a, …)`, `show way(agent)`"
+        raise scope.problems.unknown(define.name, scope.static.defines, "the defines", help_)
+    if observer.text != "agent":
+        raise scope.expected(observer.span, "`agent`, the observer", f"`{observer.text}`")
+    argument = ast.Path(observer.span, observer, ())
+    call = ast.Call(define.span, define.name, (argument,))
+    return _computed("own", call, define.name, scope)
+
+
+def _without_observer(path: ast.Path, scope: Scope) -> Poisoned:
+    """Reports a define with one parameter that is shown as if it had none."""
     name = path.name.text
+    fix = Fix(path.span, f"{name}(agent)")
+    help_ = f"write `show {name}(agent)`, if it is about the observer"
+    return scope.fail(
+        errors.WrongArguments(
+            path.span, name=name, wanted="1 argument", actual=0, help=help_, fix=fix
+        )
+    )
+
+
+def _computed(what: Literal["own", "world"], tree: ast.Expr, name: ast.Name, scope: Scope) -> Seen:
+    """Returns `step` or a define, with the interval of its numbers between two steps."""
+    observer = observer_scope(what, "", "", scope)
+    value = observer.expression(tree)
     if value.type.indexed_by or value.type.kind in ("member", "mix"):
-        raise wrong_type(observer, path, "a single value", value.type)
+        raise wrong_type(observer, tree, "a single value", value.type)
     if value.type.kind == "condition":
         type_ = words(("no", "yes"))
     else:
         low, high = narrowed(value, observer.facts)
         type_ = value.type.model_copy(update={"low": low, "high": high})
-    field = ir.VarField(name=name, held_by=ir.Sort("world"), type=type_)
-    return Seen(("world", "", name), field, value)
+    held_by = AGENTS if what == "own" else ir.Sort("world")
+    field = ir.VarField(name=name.text, held_by=held_by, type=type_)
+    return Seen((what, "", name.text), field, value)
 
 
 def _of_owner(owner: ast.Name, name: ast.Name, scope: Scope) -> list[Seen]:
@@ -184,7 +217,10 @@ def _attribute(head: str, name: ast.Name, scope: Scope) -> ir.VarField:
     """Returns an attribute of agents as if it were a field; conditions are words `no` and `yes`."""
     if name.text not in AGENT_ATTRIBUTES:
         known = [*scope.static.agent_fields, *AGENT_ATTRIBUTES]
-        raise no_field(name, "an agent", known, scope.problems)
+        help_ = ""
+        if name.text in scope.static.defines:
+            help_ = f"`show {name.text}(agent)` shows a define"
+        raise no_field(name, "an agent", known, scope.problems, help_)
     if name.text == "away" and head != "everyone":
         raise scope.fail(
             errors.WrongSort(

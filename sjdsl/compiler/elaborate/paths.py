@@ -157,19 +157,37 @@ def _perhaps_away(
 
 def distance(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     """Returns `distance(a, b)` between two agents or cells that domains around have named."""
-    names = [tree.name.text if isinstance(tree, ast.Path) else "…" for tree in e.arguments]
-    question = f"distance({', '.join(names)})"
-    values = scope.expressions(e.arguments)
-    left, right = (
-        placed(tree, value, question, scope)
-        for tree, value in zip(e.arguments, values, strict=True)
-    )
+    left, right = _both_placed(e, scope)
     rows = scope.static.map_rows
     cols = scope.static.map_cols
     farthest = max(rows + cols - 2, 0)
     if scope.static.wraps:
         farthest = rows // 2 + cols // 2
     return ir.Distance(type=integer(0, farthest, "cells"), left=left, right=right, origin=e.span)
+
+
+def bearing(function: Function, e: ast.Call, scope: Scope) -> ir.Expr:
+    """Returns `steps_ahead(a, b)` or `steps_right(a, b)`: where b is, as a looks."""
+    left, right = _both_placed(e, scope)
+    if not (is_member(left, "agent") or is_member(left, "mover")):
+        wanted = "an agent or a mover, which has a heading"
+        raise wrong_type(scope, e.arguments[0], wanted, left.type)
+    farthest = max(scope.static.map_rows, scope.static.map_cols, 1) - 1
+    type_ = integer(-farthest, farthest, "cells")
+    if scope.static.wraps:
+        type_ = integer(-(farthest // 2), (farthest + 1) // 2, "cells")
+    return ir.Bearing(type=type_, fn=function.name, left=left, right=right, origin=e.span)  # type: ignore[arg-type]
+
+
+def _both_placed(e: ast.Call, scope: Scope) -> list[ir.Expr]:
+    """Returns the two arguments of a call, each an agent, a mover or a cell that has a place."""
+    names = [tree.name.text if isinstance(tree, ast.Path) else "…" for tree in e.arguments]
+    question = f"{e.name.text}({', '.join(names)})"
+    values = scope.expressions(e.arguments)
+    return [
+        placed(tree, value, question, scope)
+        for tree, value in zip(e.arguments, values, strict=True)
+    ]
 
 
 def placed(tree: ast.Expr, place: ir.Expr, question: str, scope: Scope) -> ir.Expr:

@@ -176,6 +176,8 @@ def _has_other_limits(number: ir.Expr, static: Static) -> bool:
                 owners = node.held_by.names or (node.held_by.name,)
                 if any(field_symbol(node.name, owner) in static.sized for owner in owners):
                     return True
-            case ir.Attribute(name="row" | "col" | "index") | ir.Count() | ir.Sum() | ir.Distance():
+            case ir.Attribute(name="row" | "col" | "index") | ir.Distance() | ir.Bearing():
+                return True
+            case ir.Count() | ir.Sum():
                 return True
     return False

@@ -19,7 +19,7 @@ from sjdsl.compiler.ir.sorts import Sort
 if TYPE_CHECKING:
     Expr: TypeAlias = (
         "Number | Word | Truth | Nobody | Nowhere | ParamRef | Member | Local | FieldRead | "
-        "Attribute | Distance | At | Step | Arithmetic | Compare | Same | InRange | InWords | "
+        "Attribute | Distance | Bearing | At | Step | Arithmetic | Compare | Same | InRange | InWords | "
         "InSet | IsEmpty | Chose | ChoseWith | ArgumentOf | Unoccupied | StandsOn | StandsAt | "
         "Not | Logic | Count | Sum | SumRow | ShiftRow | Extreme | Case | Lowest | Mix | Named | "
         "Narrowed | Before | EventTotal | MatrixClass"
@@ -125,6 +125,18 @@ class Distance(Expression):
     """
 
     type: Type
+    left: Expr
+    right: Expr
+
+
+class Bearing(Expression):
+    """How many steps ahead of an agent or mover, or to its right, somebody or a cell is.
+
+    Negative behind it, or to its left.
+    """
+
+    type: Type
+    fn: Literal["steps_ahead", "steps_right"]
     left: Expr
     right: Expr
 

@@ -172,7 +172,7 @@ class Observable(Node):
     `word`: one entry of a `by` field. `labels`: replaces the field's words. `hidden_when`: condition over `agent` (the
     observer) and the kind's cell or `other`; hidden shows as the kind alone, or 0 for a number. `shown_when`: where it does
     not hold, a word is `hidden`, a number 0.
-    `value`: what is shown in place of a field of the world, `step` or a define, by the name `field`.
+    `value`: what is shown in place of a field of the world or of the observer, `step` or a define, by the name `field`.
     A field of agents may be an attribute (`row`, `heading`).
     """
 

@@ -35,6 +35,7 @@ HASHED: dict[type[ir.Node | ir.Type], str] = {
     ir.FieldRead: "read name owner",
     ir.Attribute: "attribute name owner",
     ir.Distance: "distance left right",
+    ir.Bearing: "bearing fn left right",
     ir.At: "at row key",
     ir.Step: "step",
     ir.Arithmetic: "arithmetic fn args",

@@ -477,6 +477,27 @@ OPERATIONS: tuple[Function, ...] = (
         yields=True,
     ),
     Function(
+        "steps_ahead",
+        (
+            (
+                "steps_ahead(a, b)",
+                "how many steps ahead of a b is, whatever stands between; negative behind it",
+            ),
+        ),
+        ir.Bearing,
+        least=2,
+        most=2,
+        yields=True,
+    ),
+    Function(
+        "steps_right",
+        (("steps_right(a, b)", "how many steps to the right of a b is; negative to its left"),),
+        ir.Bearing,
+        least=2,
+        most=2,
+        yields=True,
+    ),
+    Function(
         "shift",
         (
             (

@@ -36,6 +36,8 @@ def expression_text(e: ir.Expr) -> str:
             return e.name if e.owner is None else f"{expression_text(e.owner)}.{e.name}"
         case ir.Distance():
             return f"distance({expression_text(e.left)}, {expression_text(e.right)})"
+        case ir.Bearing():
+            return f"{e.fn}({expression_text(e.left)}, {expression_text(e.right)})"
         case ir.At():
             return f"{expression_text(e.row)}[{expression_text(e.key)}]"
         case ir.Step():

@@ -40,7 +40,7 @@ from sjdsl.compiler.ir.game import (
 )
 from sjdsl.compiler.ir.node import Node
 from sjdsl.compiler.ir.sorts import AGENTS, Sort
-from sjdsl.compiler.ir.statements import Remove, Send
+from sjdsl.compiler.ir.statements import Remove, Send, Set
 from sjdsl.compiler.ir.task_rows import all_parts, number_of_ways
 
 Start = int | float | str | None
@@ -109,6 +109,13 @@ def can_be(read: FieldRead, declared: VarField) -> bool:
     return read.name == declared.name and read.held_by.overlaps(declared.held_by)
 
 
+def sets(node: Node, declared: VarField) -> bool:
+    """Returns whether a node sets one of the variables declared, or an entry of it."""
+    if not isinstance(node, Set) or not isinstance(node.target, FieldRead | At):
+        return False
+    return can_be(written_field(node.target), declared)
+
+
 def written_field(target: Expr) -> FieldRead:
     """Returns the variable that a `set` or `add` writes.
 
@@ -136,7 +143,8 @@ def seen_heading(game: Game) -> Observable | None:
 
 def shows_attribute(observable: Observable) -> bool:
     """Returns whether an observation shows what every agent has of itself, and not a field."""
-    return observable.what in ("own", "other", "everyone") and observable.field in ATTRIBUTES
+    is_of_agents = observable.what in ("own", "other", "everyone")
+    return is_of_agents and observable.field in ATTRIBUTES and observable.value is None
 
 
 def shown_field(game: Game, observable: Observable) -> VarField:

@@ -6,10 +6,10 @@ from math import inf, prod
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.queries import (
-    can_be,
     kinds_by_glyph,
     marking_phases,
     seen_heading,
+    sets,
     shown_field,
     shows_attribute,
 )
@@ -322,7 +322,7 @@ def number_bound(observable: ir.Observable, game: ir.Game) -> float:
     bounds = [0.0]
     for node in ir.walk(game):
         match node:
-            case ir.Set(target=ir.FieldRead() as target, value=value) if can_be(target, field):
+            case ir.Set(value=value) if sets(node, field):
                 bounds.append(largest(value, game))
     return max(bounds)
 

@@ -77,6 +77,8 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             return attribute(e, scope, w)
         case ir.Distance():
             return distance(e, scope, w)
+        case ir.Bearing():
+            return bearing(e, scope, w)
         case ir.At():
             return entry(e, scope, w)
         case ir.Step():
@@ -293,6 +295,27 @@ def distance(e: ir.Distance, scope: IterationScope, w: Writer) -> Value:
         rows = called("shorter_way", rows, layout.height)
         cols = called("shorter_way", cols, layout.width)
     return w.keep("distance", called("jnp.abs", rows) + called("jnp.abs", cols))
+
+
+def bearing(e: ir.Bearing, scope: IterationScope, w: Writer) -> Value:
+    """Returns the steps ahead of an agent or mover, or to its right, to an agent or a cell."""
+    a = agent(e.left, scope, w)
+    b = owner(e.right, scope, w)
+    rows, rows_of_b = (_in_frame(variable, "row", w) for variable in (a, b))
+    cols, cols_of_b = (_in_frame(variable, "col", w) for variable in (a, b))
+    layout = w.module.layout
+    ways = [  # north, east, south, west
+        (rows - rows_of_b, layout.height),
+        (cols_of_b - cols, layout.width),
+        (rows_of_b - rows, layout.height),
+        (cols - cols_of_b, layout.width),
+    ]
+    steps = [called("shorter_way", way, size) if layout.wraps else way for way, size in ways]
+    if e.fn == "steps_right":
+        steps = [*steps[1:], steps[0]]
+    heading = w.keep("heading", state_reads.heading(a, w))
+    arms = [(heading.eq(number), way) for number, way in enumerate(steps[:-1])]
+    return w.keep(e.fn, first_of(arms, steps[-1], w))
 
 
 def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:

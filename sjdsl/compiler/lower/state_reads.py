@@ -6,7 +6,7 @@ from math import prod
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name, attribute_of
-from sjdsl.compiler.ir.queries import body_sorts, can_be
+from sjdsl.compiler.ir.queries import body_sorts, sets
 from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.lower.axes import TRUE, Axis, Value, as_dtype, looked_up, select
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
@@ -123,7 +123,7 @@ def timer_bound(declared: ir.VarField, nodes: Iterable[ir.Node]) -> float:
                 for name, value in node.starts:
                     if name == declared.name and isinstance(value, int):
                         bounds.append(value)
-            case ir.Set(target=ir.FieldRead() as target) if can_be(target, declared):
+            case ir.Set() if sets(node, declared):
                 bounds.append(node.value.type.high)
     return max(bounds)
 

@@ -113,8 +113,10 @@ def window(span: Span, *items: Any) -> ast.Window:
 
 
 def show(span: Span, what: ast.Path, *items: Any) -> ast.Show:
-    labels = tuple(i for i in items if isinstance(i, ast.Relabel))
-    return ast.Show(span, what, labels, items[-1] if len(items) > len(labels) else None)
+    plain, clauses = split(items)
+    labels = tuple(i for i in plain if isinstance(i, ast.Relabel))
+    condition = plain[-1] if len(plain) > len(labels) else None
+    return ast.Show(span, what, clauses.get("observer"), labels, condition)
 
 
 def checks(span: Span, *items: Any) -> ast.Checks:
@@ -221,7 +223,7 @@ def arm(span: Span, key: tuple[Any, ...], value: ast.Expr) -> ast.Arm:
 
 # The rules whose nodes have the names of the rules, and their children as fields.
 PLAIN = (
-    ast.Cite, ast.About, ast.Override, ast.Drop, ast.Table, ast.Episode, ast.Task, ast.Kind, ast.Timer,
+    ast.Cite, ast.About, ast.Override, ast.Drop, ast.Table, ast.Episode, ast.Task, ast.Kind,
     ast.Numbers, ast.Words, ast.Group, ast.Movers, ast.Acts, ast.Action, ast.Moves, ast.Schedule,
     ast.Turn, ast.Block, ast.Let, ast.Each, ast.Pick, ast.First, ast.When, ast.Chance,
     ast.Add, ast.Give, ast.Remove, ast.Move, ast.Ahead, ast.Along, ast.End, ast.Members,
@@ -245,6 +247,7 @@ RULES: dict[str, Build] = {kind.__name__.lower(): node(kind) for kind in PLAIN} 
     "blocks": blocks,
     "blocked": lambda _, item: item,
     "field": node(ast.Field, "by"),
+    "timer": node(ast.Timer, "by"),
     "range": lambda span, low, high, *capped: ast.Range(span, low, high, bool(capped)),
     "reals": lambda span, unit, low, high, *capped: ast.Reals(span, unit, low, high, bool(capped)),
     "agent_type": lambda span, *items: ast.NamedType(span, len(items) == 2, items[-1]),
