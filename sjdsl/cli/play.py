@@ -3,7 +3,6 @@ step.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from functools import partial
 from itertools import islice, repeat
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -284,16 +283,14 @@ def play_compiled(
 
     `policy` chooses the actions of the agents that `steering` doesn't control.
     """
-    import jax
     import jax.numpy as jnp
 
     from sjdsl.replay import EpisodePlayer
-    from sjdsl.runtime.policy import take_actions, with_memory
+    from sjdsl.runtime.policy import compiled_actions, with_memory
 
     player = EpisodePlayer(env, seed)
     recurrent = with_memory(policy)
-    act = jax.jit(partial(take_actions, env, recurrent))
-    after_step = jax.jit(recurrent.after_step)
+    act, after_step = compiled_actions(env, recurrent)
     memory = recurrent.start
     yield player.now()
     for number, controlled in enumerate(steering):

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from sjdsl.models import find_model, is_model_name
+from sjdsl.models.roles import wordings
 from sjdsl.trainers.settings.extensions import allow_code
 from sjdsl.trainers.settings.policy_names import might_be_named, unknown_policy
 
@@ -16,8 +18,8 @@ if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
 
 NAMES = (
-    "random, stay, a policy of the game's file, RUN, RUN@best, RUN@UPDATE, FILE.safetensors or "
-    "FILE.py:FUNCTION."
+    "random, stay, a policy of the game's file, RUN, RUN@best, RUN@UPDATE, FILE.safetensors, "
+    "FILE.py:FUNCTION, or a language model, models.toml:NAME or models.toml:NAME+ROLE."
 )
 SIDE_BY_SIDE = "file"
 FROM_FILE = (
@@ -52,8 +54,13 @@ code_option = click.option(
 
 
 def check_policy(name: str, game: "ir.Game") -> None:
-    """Raises ClickException for a text that can't name a policy of the game; needs no JAX."""
+    """Raises ClickException for a text that can't name a policy of the game, and ModelError for a
+    wrong file of models; needs no JAX.
+    """
     declared = [policy.name for policy in game.policies]
+    if is_model_name(name):
+        wordings(find_model(name).role, game)  # raises
+        return
     if name != SIDE_BY_SIDE and not might_be_named(name, declared):
         raise click.ClickException(unknown_policy(name, declared))
 
