@@ -108,4 +108,5 @@ def _message_after(game: ir.Game, agent: int, steps: int) -> str:
     window = Window(game, token_planes(game))
     seen = observe(game, moment.world)[agent]
     allowed = action_mask(game, moment.world)[agent]
-    return message(window, seen, allowed, past[-HISTORY:])
+    trial = 0 if game.trials is None else int(moment.world.fields["trial"])
+    return message(window, seen, allowed, past[-HISTORY:], trial=trial)

@@ -237,8 +237,10 @@ def _evaluate_policy(
         env = of_game.make(game)
         from sjdsl.experiments import find_pool
         from sjdsl.trainers import find_policy, save_evaluation
+        from sjdsl.trainers.policies.loading import refuse_host
         from sjdsl.trainers.runs.run_folder import describe_game
 
+        refuse_host(policy)
         with warnings_as_notes():
             (player,) = find_pool(policy, env).players  # refuses a policy of another game
             act = player.policy_of(player.parameters)

@@ -86,7 +86,7 @@ def play_mixtures(
     path = None if folder is None else Path(folder)
     if path is not None:
         require_same(path, description)
-    with open_talks(experiment, path, description, limits) as talks:
+    with open_talks(experiment, path, description, limits, tell) as talks:
         parts = play_experiment(experiment, tell, talks)
     results = CrossPlay(experiment, tuple(parts), mix, talks.by_policy())
     if path is not None:

@@ -179,14 +179,16 @@ def open_talks(
     folder: Path | None,
     description: Mapping[str, Any],
     limits: Limits | None,
+    tell: Tell,
 ) -> Talks:
     """Returns what asks the models of an experiment, to be used in a `with` block.
 
     The description of the experiment is in its folder before they are asked.
     """
-    if folder is not None and experiment.hosts:
-        record_experiment(folder, description)
-    return Talks(folder, limits)
+    if folder is None or not experiment.hosts:
+        return Talks(None, limits, tell)
+    record_experiment(folder, description)
+    return Talks(folder, limits, tell)
 
 
 def check_episodes(episodes: int) -> None:

@@ -138,7 +138,7 @@ def play_planned(
     path = None if folder is None else Path(folder) / name
     if path is not None:
         require_same(path, plan.describe())
-    with open_talks(plan.experiment, path, plan.describe(), limits) as talks:
+    with open_talks(plan.experiment, path, plan.describe(), limits, tell) as talks:
         parts = play_experiment(plan.experiment, tell, talks)
     scores = {
         scenario.name: score_of(scenario, plan.scripted, parts) for scenario in plan.scenarios

@@ -68,7 +68,7 @@ def play_diagram(
     path = None if folder is None else Path(folder)
     if path is not None:
         require_same(path, description)
-    with open_talks(experiment, path, description, limits) as talks:
+    with open_talks(experiment, path, description, limits, tell) as talks:
         parts = play_experiment(experiment, tell, talks)
     returns = returns_of(parts, experiment.env.num_agents, experiment.replicates)
     diagram = Diagram(experiment, returns, talks.by_policy())

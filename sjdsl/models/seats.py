@@ -84,7 +84,7 @@ class _Seat:
 
 
 class Seats:
-    """The agents of E episodes that are asked in words. Use it in a `with` block."""
+    """The agents of E episodes that are asked in words. Use it in a `with` block, or close it."""
 
     def __init__(
         self,
@@ -128,7 +128,11 @@ class Seats:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._pool.terminate()  # doesn't wait for calls in flight
+        self.close()
+
+    def close(self) -> None:
+        """Ends the threads; calls in flight aren't waited for."""
+        self._pool.terminate()
 
     def choose(self, observation: np.ndarray, allowed: np.ndarray, over: np.ndarray) -> np.ndarray:
         """Asks all agents of the episodes that aren't over.
@@ -147,7 +151,8 @@ class Seats:
             if len(names) == 1:
                 seat.reply = Reply(names[0])
                 continue
-            text = message(self._window, seen, allowed[place], *seat.own())
+            trial = self._trials[place[0]]
+            text = message(self._window, seen, allowed[place], *seat.own(), trial)
             questions[place] = self._question(place, "move", text, names)
         for place, reply in self._replies(questions):
             if reply.action not in questions[place].message.allowed:

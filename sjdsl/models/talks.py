@@ -9,7 +9,7 @@ import threading
 import time
 import zlib
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -26,6 +26,7 @@ from sjdsl.models.seats import PARALLEL, Ask, Kind, Question, ask_policy
 
 FOLDER = "talks"
 CHARACTERS_OF_A_TOKEN = 3  # about; less than in English prose, as windows are signs
+REPORTED = 100  # calls between two lines of progress
 LEAST_CHARACTERS_OF_A_TOKEN = 2  # for the most that a call may cost
 
 
@@ -98,12 +99,19 @@ class Talks:
     usage: by model, role and trial.
     """
 
-    def __init__(self, folder: Path | None = None, limits: Limits | None = None) -> None:
-        """Records in `FOLDER/talks`, or nowhere."""
+    def __init__(
+        self,
+        folder: Path | None = None,
+        limits: Limits | None = None,
+        tell: Callable[[str], None] = lambda _: None,
+    ) -> None:
+        """Records in `FOLDER/talks`, or nowhere. tell: gets a line after every hundred calls."""
         self.limits = limits or Limits()
         self.usage: defaultdict[tuple[str, str, int], Usage] = defaultdict(Usage)
+        self._tell = tell
         self._folder = None if folder is None else folder / FOLDER
         self._lock = threading.Lock()
+        self._free = threading.Semaphore(self.limits.parallel)
         self._file_lock: FileLock | None = None
         self._recorded: dict[Path, dict[tuple[int, Kind], Talk]] = {}
         self._server_names: dict[str, str] = {}
@@ -111,6 +119,16 @@ class Talks:
         self._dollars_in_flight = 0.0
 
     def __enter__(self) -> "Talks":
+        """Locks the folder. Raises ModelError if another process asks models for it."""
+        if self._folder is not None:
+            self._folder.mkdir(parents=True, exist_ok=True)
+            self._file_lock = FileLock(self._folder / "lock")
+            try:
+                self._file_lock.acquire(timeout=0)
+            except Timeout:
+                raise ModelError(
+                    f"another process is asking models for {self._folder.parent}; wait for its end"
+                ) from None
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -120,15 +138,6 @@ class Talks:
 
     def part(self, name: str) -> Ask:
         """Returns a function that answers the questions of a part of the experiment."""
-        if self._folder is not None and self._file_lock is None:
-            self._folder.mkdir(parents=True, exist_ok=True)
-            self._file_lock = FileLock(self._folder / "lock")
-            try:
-                self._file_lock.acquire(timeout=0)
-            except Timeout:
-                raise ModelError(
-                    f"another process is asking models for {self._folder.parent}; wait for its end"
-                ) from None
         return lambda question: self._answered(name, question)
 
     def write_usage(self) -> None:
@@ -194,7 +203,8 @@ class Talks:
             self._calls_in_flight += 1
             self._dollars_in_flight += dollars
         try:
-            return ask_policy(question)
+            with self._free:
+                return ask_policy(question)
         finally:
             with self._lock:
                 self._calls_in_flight -= 1
@@ -237,6 +247,11 @@ class Talks:
             if isinstance(policy, Model):
                 tokens_so_far = (usage.input, usage.cached, usage.output)
                 usage.dollars = policy.dollars(*tokens_so_far)  # the same in any order of calls
+            total = self.total()
+            if total.calls % REPORTED == 0:
+                self._tell(
+                    f"{total.calls:,} calls, {total.invalid:,} unusable, ${total.dollars:.2f}"
+                )
 
 
 def _sum(usages: Sequence[Usage]) -> Usage:

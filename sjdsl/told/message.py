@@ -30,6 +30,7 @@ def message(
     past: Sequence[Past] = (),
     notes: Sequence[str] = (),
     ledger: Sequence[str] = (),
+    trial: int = 0,
 ) -> str:
     """Returns the message to one agent before a step.
 
@@ -39,8 +40,12 @@ def message(
       past: its own last steps, the last one last.
       notes: its own notes, as it wrote them.
       ledger: what its actions paid, a line each.
+      trial: which one it is in, in a game with trials.
     """
-    parts = own_past(past, notes, ledger)
+    parts = []
+    if window.game.trials is not None:
+        parts.append(f"TRIAL: {trial}, of 0 to {window.game.trials.number - 1}")
+    parts += own_past(past, notes, ledger)
     parts.append(f"WHAT YOU SEE NOW:\n{window.text(seen)}")
     parts.append("\n".join(["YOUR ACTIONS NOW:", *action_lines(window, seen, allowed)]))
     return "\n\n".join(parts) + "\n"

@@ -71,12 +71,7 @@ def find_policy(
     Raises:
       PolicyError: there is no such policy, or it doesn't fit `env`.
     """
-    if find_host(policy) is not None:
-        raise PolicyError(
-            f"{policy} is asked in words, outside of compiled code, so it can't act in it, neither "
-            "as a partner in training nor in `evaluate` without --scenario; it can play in "
-            "crossplay, schelling, evaluate --scenario, play, record and render"
-        )
+    refuse_host(policy)
     if not isinstance(policy, str | Path):
         return policy
     name = str(policy)
@@ -123,6 +118,16 @@ def find_host(policy: Any) -> HostPolicy | None:
     except (ConfigError, ModelError) as error:
         raise PolicyError(str(error)) from None
     return None
+
+
+def refuse_host(policy: Any) -> None:
+    """Raises PolicyError for a policy that is asked in words."""
+    if find_host(policy) is not None:
+        raise PolicyError(
+            f"{policy} is asked in words, outside of compiled code, so it can't act in it, neither "
+            "as a partner in training nor in `evaluate` without --scenario; it can play in "
+            "crossplay, schelling, evaluate --scenario, play, record and render"
+        )
 
 
 def _compile_scripted(name: str, env: Environment) -> Policy:
