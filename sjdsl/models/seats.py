@@ -4,7 +4,7 @@ are played side by side, and the questions of a step."""
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, partial
 from multiprocessing.pool import ThreadPool
 from typing import Any, Literal
 
@@ -112,15 +112,15 @@ class Seats:
         self._num_agents = env.num_agents
         self._step = 0
         self._trials = [0] * len(hosts)
-        self._invalid_in_a_row: Counter[HostPolicy] = Counter()
-        self._known: set[HostPolicy] = set()  # who has answered
-        text = cache(told)
+        self._invalid_in_a_row: Counter[int] = Counter()
+        self._known: set[int] = set()  # who has answered, by `id`
+        text = cache(partial(told, env))
         self._seats: dict[tuple[int, int], _Seat] = {}
         for episode, of_episode in enumerate(hosts):
             for agent, policy in sorted(of_episode.items()):
                 words = wordings(policy.role, env.game)
                 role = words[episode % len(words)]
-                system = text(env, agent, role, policy.notebook)
+                system = text(agent, role, policy.notebook)
                 self._seats[episode, agent] = _Seat(policy, system)
         self._num_episodes = len(hosts)
 
@@ -186,10 +186,6 @@ class Seats:
         for episode in np.flatnonzero(trial_ended):
             self._trials[episode] += 1
 
-    def reasons(self) -> dict[tuple[int, int], str]:
-        """Returns why agents did what they did last, by episode and agent."""
-        return {place: seat.reply.why for place, seat in self._seats.items()}
-
     def _running(self, over: np.ndarray) -> Iterator[tuple[tuple[int, int], _Seat]]:
         return ((place, seat) for place, seat in self._seats.items() if not over[place[0]])
 
@@ -213,14 +209,14 @@ class Seats:
         """
         ready = {}
         for place, question in questions.items():
-            if question.policy not in self._known:
+            if id(question.policy) not in self._known:
                 ready[place] = self._ask(question)
-                self._known.add(question.policy)
+                self._known.add(id(question.policy))
         waiting = [place for place in questions if place not in ready]
         answers = self._pool.imap(self._ask, [questions[place] for place in waiting])
         ready |= zip(waiting, answers, strict=True)
         for place in questions:
-            policy = questions[place].policy
+            policy = id(questions[place].policy)
             is_valid = ready[place].is_valid
             self._invalid_in_a_row[policy] = 0 if is_valid else self._invalid_in_a_row[policy] + 1
             if self._invalid_in_a_row[policy] == MOST_INVALID:

@@ -19,8 +19,10 @@ from sjdsl.experiments.summaries import crossplay_text, diagram_text
 from sjdsl.experiments.usage import forecasts
 from sjdsl.models import HostPolicy, LimitReached, Limits, Message, Model, ModelError, Reply, talks
 from sjdsl.models.files import Price
+from sjdsl.models.hosted import hosted_policy
 from sjdsl.models.policy import Answer
 from sjdsl.models.seats import ask_policy
+from sjdsl.replay import play_asked_episodes, play_episodes
 from sjdsl.trainers import PolicyError, evaluate, find_policy, make_config, make_train
 from sjdsl.trainers.policies.evaluation import make_host_evaluator
 from tests.trainers.probes import recalled
@@ -313,6 +315,15 @@ def test_an_arena_rotates() -> None:
     with pytest.raises(sjdsl.experiments.ExperimentError, match="rotate goes with slots"):
         cross_play(env, policies=["stay"], rotate=True)
     assert "return of an agent" in crossplay_text(played)
+
+
+def test_recorded_episodes_are_those_of_their_seeds() -> None:
+    """If nobody is asked, they are what the compiled loop records."""
+    env = matrix_game()
+    drawn = find_policy("random", env)
+    asked = play_asked_episodes(env, lambda _: hosted_policy(env, {}, drawn), seed=5, episodes=3)
+    for one, other in zip(asked, play_episodes(env, drawn, 5, 3), strict=True):
+        jax.tree.map(np.testing.assert_array_equal, vars(one), vars(other))
 
 
 def test_a_model_cannot_be_a_partner_in_training(tmp_path: Path) -> None:
