@@ -79,7 +79,7 @@ def command(
         raise click.UsageError(
             "--parallel, --budget and --calls are for language models; for --dry-run see crossplay"
         )
-    folder = path.with_suffix("") if is_asked else None
+    folder = path.with_name(f"{path.stem}_models") if is_asked else None
     with stages(LOADING) as say, Talks(folder, asking.limits, say) as talks:
         env = make_environment(arguments)
         if is_asked:

@@ -66,7 +66,7 @@ class Talk:
 
     request: the first half of the SHA-256 of all that the model was told; lines: four hexadecimal
     digits for each line of the message, to name the first one that differs.
-    seconds: how long it took; time: when it was answered, UTC.
+    seconds: how long it took; time: when it was answered, UTC; dollars: by the price then.
     """
 
     step: int
@@ -77,6 +77,7 @@ class Talk:
     reply: Reply
     seconds: float
     time: str
+    dollars: float
     format: Literal["sjdsl-talk-1"] = "sjdsl-talk-1"
 
 
@@ -115,11 +116,16 @@ class Talks:
         self._file_lock: FileLock | None = None
         self._recorded: dict[Path, dict[tuple[int, Kind], Talk]] = {}
         self._server_names: dict[str, str] = {}
-        self._calls_in_flight = 0
-        self._dollars_in_flight = 0.0
+        # of calls in flight, and of those recorded earlier that nobody has asked for again yet
+        self._calls_pending = 0
+        self._dollars_pending = 0.0
 
     def __enter__(self) -> "Talks":
-        """Locks the folder. Raises ModelError if another process asks models for it."""
+        """Locks the folder and reads its calls.
+
+        Raises:
+          ModelError: another process asks models for it, or a file is damaged.
+        """
         if self._folder is not None:
             self._folder.mkdir(parents=True, exist_ok=True)
             self._file_lock = FileLock(self._folder / "lock")
@@ -129,6 +135,10 @@ class Talks:
                 raise ModelError(
                     f"another process is asking models for {self._folder.parent}; wait for its end"
                 ) from None
+            for path in sorted(self._folder.rglob("agent_*.jsonl")):
+                self._recorded[path] = _read(path)
+                for talk in self._recorded[path].values():
+                    self._reserve(1, talk.dollars)
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -162,22 +172,16 @@ class Talks:
     def _answered(self, part: str, question: Question) -> Reply:
         """Returns the recorded reply to a question, or asks and records it."""
         if self._folder is None:
-            reply = self._asked(question)
-            self._count(question, reply)
-            return reply
+            return self._asked(question)
         folder = self._folder / part / f"episode_{question.episode:05d}"
         path = folder / f"agent_{question.agent}.jsonl"
-        with self._lock:
-            if path not in self._recorded:
-                self._recorded[path] = _read(path)
-        recorded = self._recorded[path].get((question.step, question.kind))
+        recorded = self._recorded.get(path, {}).get((question.step, question.kind))
         if recorded is not None:
             _check(recorded, question, path)
-            self._count(question, recorded.reply)
+            self._count(question, recorded.reply, recorded.dollars)
             return recorded.reply
         start = time.monotonic()
         reply = self._asked(question)
-        self._count(question, reply)
         talk = Talk(
             question.step,
             question.trial,
@@ -187,6 +191,7 @@ class Talks:
             reply,
             round(time.monotonic() - start, 3),
             datetime.now(UTC).isoformat(timespec="seconds"),
+            _dollars(question.policy, reply),
         )
         folder.mkdir(parents=True, exist_ok=True)
         with naming(path), open_in_place(path, "a") as file:
@@ -196,30 +201,35 @@ class Talks:
         return reply
 
     def _asked(self, question: Question) -> Reply:
-        """Asks, unless that might pass a limit."""
+        """Asks and counts the call, unless that might pass a limit."""
         dollars = _most_dollars(question, self.limits)
         with self._lock:
             self._check_limits(dollars)
-            self._calls_in_flight += 1
-            self._dollars_in_flight += dollars
+            self._reserve(1, dollars)
         try:
             with self._free:
-                return ask_policy(question)
-        finally:
+                reply = ask_policy(question)
+        except BaseException:
             with self._lock:
-                self._calls_in_flight -= 1
-                self._dollars_in_flight -= dollars
+                self._reserve(-1, -dollars)
+            raise
+        self._count(question, reply, dollars)
+        return reply
+
+    def _reserve(self, calls: int, dollars: float) -> None:
+        self._calls_pending += calls
+        self._dollars_pending += dollars
 
     def _check_limits(self, dollars: float) -> None:
         """Raises LimitReached if one more call of so many dollars might pass a limit."""
         used = self.total()
         limits = self.limits
-        if limits.calls is not None and used.calls + self._calls_in_flight >= limits.calls:
+        if limits.calls is not None and used.calls + self._calls_pending >= limits.calls:
             raise LimitReached(
                 f"{used.calls} calls were made, and at most {limits.calls} may be; all replies are "
                 "kept: the same command with a larger --calls goes on"
             )
-        most = used.dollars + self._dollars_in_flight + dollars
+        most = used.dollars + self._dollars_pending + dollars
         if limits.budget is not None and most > limits.budget:
             raise LimitReached(
                 f"{used.dollars:.4f} dollars are spent, and the next call might pass the budget of "
@@ -227,11 +237,13 @@ class Talks:
                 "--budget goes on"
             )
 
-    def _count(self, question: Question, reply: Reply) -> None:
+    def _count(self, question: Question, reply: Reply, reserved: float) -> None:
+        """Counts a call; until now so many dollars were reserved for it."""
         policy = question.policy
         name = name_of(policy)
         answer = reply.answer or Answer("")
         with self._lock:
+            self._reserve(-1, -reserved)
             known = self._server_names.setdefault(name, answer.model)
             if known != answer.model:
                 raise ModelError(
@@ -260,6 +272,14 @@ def _sum(usages: Sequence[Usage]) -> Usage:
         for name, amount in asdict(usage).items():
             setattr(total, name, getattr(total, name) + amount)
     return total
+
+
+def _dollars(policy: HostPolicy, reply: Reply) -> float:
+    """Returns what a reply cost."""
+    answer = reply.answer
+    if answer is None or not isinstance(policy, Model):
+        return 0.0
+    return policy.dollars(answer.input, answer.cached, answer.output)
 
 
 def _most_dollars(question: Question, limits: Limits) -> float:

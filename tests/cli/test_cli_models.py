@@ -146,7 +146,9 @@ def test_a_person_plays_among_models(
     recording = load_recording(folder / "played.json", 0)
     assert recording.returns == [0, 20]
     assert recording.players == ["models.toml:luna+cooperator", "you"]
-    assert sjdsl("replay", "played.json").status == 0
+    replayed = sjdsl("replay", "played.json")
+    assert replayed.status == 0
+    assert "0 models.toml:luna+cooperator" in replayed.out
 
     monkeypatch.setattr("sys.stdin", io.StringIO("stay\n"))
     shown = sjdsl("play", str(MATRIX), "--others", "models.toml:luna+defector", "--steps", "1")

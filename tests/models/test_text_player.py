@@ -49,7 +49,7 @@ def test_it_reads_the_apples_of_the_window() -> None:
 @pytest.mark.thorough
 def test_it_earns_more_than_the_greedy() -> None:
     """Five of a kind in the same episode, long enough for patches to be eaten bare."""
-    env = sjdsl.make("open_harvest", params={"rounds": 1})
+    env = sjdsl.make("open_harvest", params={"rounds": 1, "length": 150})
     earned = {}
     for name in (f"{FILE}:patient", "greedy"):
         played = cross_play(env, slots=[name] * 5, episodes=1, seed=1)
