@@ -7,6 +7,7 @@ import click
 
 from sjdsl.cli.environment_options import EnvironmentOptions
 from sjdsl.cli.experiment_options import echo_files, experiment_options, prepare_experiment
+from sjdsl.cli.model_options import Asking, show_forecast
 from sjdsl.cli.policies import NAMES, warnings_as_notes
 from sjdsl.extras import require
 
@@ -50,16 +51,21 @@ class SeveralPolicies(click.Command):
     type=click.Choice(["all", "pairs"]),
     help="All mixtures (the default), or one agent among others of another policy.",
 )
+@click.option(
+    "--rotate", is_flag=True, help="With --slots: they move on by one slot with each episode."
+)
 @experiment_options
 def command(
     game: str,
     slots: str | None,
     policies: tuple[str, ...],
     mix: Literal["all", "pairs"] | None,
+    rotate: bool,
     episodes: int,
     seed: int,
     output: str | None,
     options: EnvironmentOptions,
+    asking: Asking,
 ) -> None:
     """Plays policies with each other in GAME: in one line-up, or in all mixtures of them.
 
@@ -73,6 +79,8 @@ def command(
         )
     if slots is not None and mix is not None:
         raise click.UsageError("--mix is for --policies; --slots is one line-up")
+    if slots is None and rotate:
+        raise click.UsageError("--rotate is for --slots; mixtures draw who has which slot")
     in_slots = None if slots is None else [name.strip() for name in slots.split(",")]
     if "" in (in_slots or policies):
         raise click.UsageError(
@@ -86,7 +94,9 @@ def command(
 
         kind = mix or "all"
         with warnings_as_notes():
-            plan = plan_cross_play(env, in_slots, policies or None, kind, episodes, seed)
-        results = play_mixtures(plan, kind if in_slots is None else None, folder, say)
+            plan = plan_cross_play(env, in_slots, policies or None, kind, episodes, seed, rotate)
+        show_forecast(plan, asking)
+        mixed = kind if in_slots is None else None
+        results = play_mixtures(plan, mixed, folder, say, asking.limits)
     click.echo(crossplay_text(results))
     echo_files(folder, FILES)

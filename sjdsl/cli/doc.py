@@ -16,6 +16,7 @@ from sjdsl.library.checked_game import split_variants
 from sjdsl.library.parameters import param_values
 from sjdsl.told import Past, Window, message
 from sjdsl.told import told as told_text
+from sjdsl.told.message import HISTORY
 from sjdsl.trace.choices import Chosen, random_actions
 from sjdsl.trace.episode import play
 
@@ -106,4 +107,6 @@ def _message_after(game: ir.Game, agent: int, steps: int) -> str:
             raise ValueError(f"the episode is over after {len(past)} steps")
     window = Window(game, token_planes(game))
     seen = observe(game, moment.world)[agent]
-    return message(window, seen, action_mask(game, moment.world)[agent], past)
+    allowed = action_mask(game, moment.world)[agent]
+    trial = 0 if game.trials is None else int(moment.world.fields["trial"])
+    return message(window, seen, allowed, past[-HISTORY:], trial=trial)

@@ -20,11 +20,13 @@ from sjdsl.cli.environment_options import (
 from sjdsl.cli.episode_options import episodes_option, seed_option
 from sjdsl.cli.film import check_film, save_film
 from sjdsl.cli.folders import require_folder_of, require_writable
+from sjdsl.cli.model_options import Asking, model_options
 from sjdsl.cli.policies import check_policy, code_option, warnings_as_notes
 from sjdsl.cli.provenance import arguments_of_run
 from sjdsl.cli.scenarios import OR_A_GAME, evaluate_in_scenarios
 from sjdsl.cli.stages import LOADING, stages
 from sjdsl.library.tasks import replaced_tasks, splits_of
+from sjdsl.models import Limits
 from sjdsl.trainers.policies.estimates import difference, estimate
 from sjdsl.trainers.policies.stored_evaluation import RETURN, read_evaluation
 from sjdsl.trainers.runs.seeds_in_words import seeds_in_words, seeds_of_each
@@ -38,7 +40,7 @@ if TYPE_CHECKING:
 # Parameters that are allowed without --game.
 WITHOUT_GAME = (
     "run", "episodes", "seed", "greedy", "film", "scenario", "allow_code", "tasks", "split",
-    "problem",
+    "problem", "parallel", "budget", "calls", "dry_run",
 )  # fmt: skip
 STORED = ".safetensors"
 
@@ -69,6 +71,7 @@ STORED = ".safetensors"
 )
 @code_option
 @environment_options
+@model_options
 def command(
     run: str,
     game: str | None,
@@ -79,6 +82,7 @@ def command(
     film: str | None,
     output: str | None,
     options: EnvironmentOptions,
+    asking: Asking,
 ) -> None:
     """Evaluates the policy of RUN, or any POLICY in a GAME, beside a random one; the results of RUN
     go to a file in its folder.
@@ -95,8 +99,10 @@ def command(
             raise click.UsageError("--film is not for --scenario")
         if greedy is not None:
             raise click.UsageError(f"{_greedy_option(greedy)} is not for --scenario")
-        evaluate_in_scenarios(run, scenario, game, episodes, seed, output, options)
+        evaluate_in_scenarios(run, scenario, game, episodes, seed, output, options, asking)
         return
+    if asking != Asking(Limits()):
+        raise click.UsageError("--parallel, --budget, --calls and --dry-run are for --scenario")
     if film is not None:
         check_film(Path(film))
         require_folder_of(Path(film))
@@ -231,8 +237,10 @@ def _evaluate_policy(
         env = of_game.make(game)
         from sjdsl.experiments import find_pool
         from sjdsl.trainers import find_policy, save_evaluation
+        from sjdsl.trainers.policies.loading import refuse_host
         from sjdsl.trainers.runs.run_folder import describe_game
 
+        refuse_host(policy)
         with warnings_as_notes():
             (player,) = find_pool(policy, env).players  # refuses a policy of another game
             act = player.policy_of(player.parameters)

@@ -14,6 +14,7 @@ from sjdsl.cli.environment_options import (
 )
 from sjdsl.cli.episode_options import episodes_option, seed_option
 from sjdsl.cli.folders import require_writable
+from sjdsl.cli.model_options import model_options
 from sjdsl.cli.policies import check_policy, code_option
 from sjdsl.cli.stages import LOADING, Say, stages
 
@@ -25,7 +26,7 @@ Command = Callable[..., Any]
 
 def experiment_options(command: Command) -> Command:
     """Adds --episodes, --seed, -o (as `output`) and --allow-code, and the options of an
-    environment.
+    environment and of models.
     """
     output = click.option(
         "-o",
@@ -35,7 +36,7 @@ def experiment_options(command: Command) -> Command:
     )
     seed = seed_option("Seed of the episodes.")
     episodes = episodes_option(30, "Episodes of each line-up.")
-    return episodes(seed(output(code_option(environment_options(command)))))
+    return episodes(seed(output(code_option(environment_options(model_options(command))))))
 
 
 @contextmanager

@@ -14,6 +14,7 @@ FAULTS_OF_RUNS = {
     "sjdsl.trainers.settings.config_errors": "ConfigError",
     "sjdsl.trainers.policies.policy_file": "PolicyError",
     "sjdsl.trainers.runs.run_errors": "RunError",
+    "sjdsl.models.errors": "ModelError",
     "sjdsl.experiments.refusals": "ExperimentError",
     "sjdsl.results.refusals": "ResultsError",
 }
@@ -46,7 +47,7 @@ def report_fault(error: Exception, command: str) -> int:
         module = sys.modules.get(module_name)  # a module that isn't imported has raised nothing
         if module is not None and isinstance(error, getattr(module, class_name)):
             _echo(str(error))
-            return 1
+            return getattr(error, "exit_status", 1)
     from sjdsl.compiler.diagnostics.diagnostic import CompileError
 
     if isinstance(error, CompileError):

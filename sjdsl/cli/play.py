@@ -3,7 +3,6 @@ step.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from functools import partial
 from itertools import islice, repeat
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +14,7 @@ from sjdsl.cli.environment_options import (
     EnvironmentOptions,
     environment_options,
     make_environment,
+    written_options,
 )
 from sjdsl.cli.episode_options import seed_option
 from sjdsl.cli.folders import require_folder_of
@@ -22,9 +22,11 @@ from sjdsl.cli.policies import (
     FROM_FILE,
     NAMES,
     SIDE_BY_SIDE,
+    YOU,
     check_policy,
     choose_policy,
     code_option,
+    seated_policy,
 )
 from sjdsl.cli.stages import stages
 from sjdsl.compiler import ir
@@ -38,6 +40,7 @@ from sjdsl.interpreter.state import Value, copied
 from sjdsl.interpreter.step import reset, step
 from sjdsl.interpreter.threefry import Threefry
 from sjdsl.library.action_names import split_actions
+from sjdsl.models import is_model_name
 from sjdsl.render.letters import Letters, board_rows, make_letters
 from sjdsl.render.moment import Moment, moment_of
 from sjdsl.render.readings import agent_readings, join_readings, world_readings
@@ -74,6 +77,11 @@ Steering = Iterable[Mapping[int, int]]
     metavar="P",
     help=f"The other agents' policy: {NAMES} {SIDE_BY_SIDE}: {FROM_FILE}.",
 )
+@click.option(
+    "--slots",
+    metavar="P,P,...",
+    help=f"Instead of --agent and --others: who plays each agent, `{YOU}` yourself.",
+)
 @code_option
 @seed_option("Seed of the episode.")
 @click.option(
@@ -89,6 +97,7 @@ def command(
     agent: int,
     watch: bool,
     others: str,
+    slots: str | None,
     seed: int,
     steps: int | None,
     record: str | None,
@@ -100,39 +109,53 @@ def command(
     Several actions with spaces between them are taken one after the other. `quit` or Ctrl-D ends
     the episode.
     """
+    if slots is not None and {"--agent", "--watch", "--others"} & set(written_options()):
+        raise click.UsageError("--slots says who plays each agent, without --agent and --others")
     arguments = options.describe(game)
     if record is not None:
         require_folder_of(Path(record))
     built, values = options.build(game)
     rules = built.game
     board = board_of(rules)
-    if agent >= rules.agents.number:
+    player = None if watch else agent
+    seats: list[str] = []
+    if slots is not None:
+        seats = [name.strip() for name in slots.split(",")]
+        player = _seat_of_person(seats, rules)
+    elif agent >= rules.agents.number:
         raise click.ClickException(
             f"{rules.name} has no agent {agent}; its agents are 0 to {rules.agents.number - 1}"
         )
-    check_policy(others, rules)
+    elif is_model_name(others) and not watch:
+        seats = [others] * rules.agents.number
+        seats[agent] = YOU
+    for name in seats or [others]:
+        if name != YOU:
+            check_policy(name, rules)
 
     length = int(evaluate(rules.episode, Instance(board, declared_world(board, values))))
     most_steps = min(length, steps or length)
     steering: Steering
-    if watch:
+    if player is None:
         steering = repeat({}, most_steps)
     else:
         typed = typed_actions(rules.agents.actions)
-        steering = islice(({agent: action} for action in typed), most_steps)
-    if others in (*UNTRAINED, *(policy.name for policy in rules.policies)):
+        steering = islice(({player: action} for action in typed), most_steps)
+    is_declared = others in (*UNTRAINED, *(policy.name for policy in rules.policies))
+    if not seats and is_declared:
         moments = play_interpreted(rules, values, seed, chooser(rules, others, seed), steering)
     else:
         with stages(f"compiling {rules.name}"):
             env = make_environment(arguments)
-            moments = play_compiled(env, choose_policy(others, env), seed, steering)
+            policy = seated_policy(seats, env) if seats else choose_policy(others, env)
+            moments = play_compiled(env, policy, seed, steering)
 
     title = title_of(rules)
-    player = "" if watch else f": you play agent {agent}"
-    click.echo(f"{title}, seed {seed}, {length} steps{player}")
+    you_play = "" if player is None else f": you play agent {player}"
+    click.echo(f"{title}, seed {seed}, {length} steps{you_play}")
     letters = make_letters(rules)
     click.echo(letters.legend_line())
-    if not watch:
+    if player is not None:
         click.echo(f"the actions are {_listed(rules.agents.actions)}; `{QUIT}` ends the episode")
     actions: list[list[int]] = []
     returns = [0.0] * rules.agents.number
@@ -141,7 +164,7 @@ def command(
             if moment.actions:
                 actions.append(list(moment.actions))
             returns = moment.snapshot.returns.tolist()
-            lines = moment_lines(moment, letters, board, None if watch else agent)
+            lines = moment_lines(moment, letters, board, player, seats)
             click.echo("\n" + "\n".join(lines))
     except LeavesFloat32 as overflow:
         raise click.ClickException(Rules(built.sources).overflow(overflow)) from None
@@ -153,17 +176,37 @@ def command(
                 seed=seed,
                 actions=actions,
                 returns=returns,
+                players=seats or None,
             )
             save_recording(recording, Path(record))
             click.echo(f"\n{record}  {len(actions)} steps of {title}")
 
 
+def _seat_of_person(seats: Sequence[str], rules: ir.Game) -> int | None:
+    """Returns the agent that a person plays, None if it is nobody. Raises ClickException."""
+    number = rules.agents.number
+    if len(seats) != number:
+        raise click.ClickException(
+            f"{rules.name} has {number} agents, but --slots names {len(seats)}; name one for each"
+        )
+    yours = [agent for agent, name in enumerate(seats) if name == YOU]
+    if len(yours) > 1:
+        raise click.ClickException(f"`{YOU}` can play one agent; it is named {len(yours)} times")
+    return yours[0] if yours else None
+
+
 def moment_lines(
-    moment: Moment, letters: Letters, board: Board, player: int | None = None
+    moment: Moment,
+    letters: Letters,
+    board: Board,
+    player: int | None = None,
+    seats: Sequence[str] = (),
 ) -> Iterator[str]:
     """Yields the lines that show a moment: the board, and after a step what each agent did and got.
 
-    `player` is the agent that a person controls, if any.
+    Args:
+      player: the agent that a person controls, if any.
+      seats: the name of who plays each agent, if there are several.
     """
     snapshot = moment.snapshot
     world = join_readings(world_readings(board.game), snapshot)
@@ -180,11 +223,17 @@ def moment_lines(
     names = board.game.agents.actions
     width = max(map(len, names))
     readings = agent_readings(board.game)
-    yield f"  agent   {'action':{width}}  reward  return"
+    names_of_agents = dict(enumerate(seats))
+    if player is not None:
+        names_of_agents[player] = YOU
+    labels = [
+        f"{agent} {names_of_agents.get(agent, '')}".strip() for agent in range(len(moment.actions))
+    ]
+    margin = max(6, *map(len, labels))
+    yield f"  {'agent':{margin}}  {'action':{width}}  reward  return"
     for agent, action in enumerate(moment.actions):
-        label = f"{agent} you" if agent == player else str(agent)
         cells = [
-            f"{label:6}",
+            f"{labels[agent]:{margin}}",
             f"{names[action]:{width}}",
             f"{moment.reward[agent]:6.4g}",
             f"{snapshot.returns[agent]:6.4g}",
@@ -284,16 +333,14 @@ def play_compiled(
 
     `policy` chooses the actions of the agents that `steering` doesn't control.
     """
-    import jax
     import jax.numpy as jnp
 
     from sjdsl.replay import EpisodePlayer
-    from sjdsl.runtime.policy import take_actions, with_memory
+    from sjdsl.runtime.policy import compiled_actions, with_memory
 
     player = EpisodePlayer(env, seed)
     recurrent = with_memory(policy)
-    act = jax.jit(partial(take_actions, env, recurrent))
-    after_step = jax.jit(recurrent.after_step)
+    act, after_step = compiled_actions(env, recurrent)
     memory = recurrent.start
     yield player.now()
     for number, controlled in enumerate(steering):

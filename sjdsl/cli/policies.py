@@ -2,12 +2,14 @@
 Python function."""
 
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from sjdsl.models import find_model, is_model_name
+from sjdsl.models.roles import wordings
 from sjdsl.trainers.settings.extensions import allow_code
 from sjdsl.trainers.settings.policy_names import might_be_named, unknown_policy
 
@@ -16,10 +18,11 @@ if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
 
 NAMES = (
-    "random, stay, a policy of the game's file, RUN, RUN@best, RUN@UPDATE, FILE.safetensors or "
-    "FILE.py:FUNCTION."
+    "random, stay, a policy of the game's file, RUN, RUN@best, RUN@UPDATE, FILE.safetensors, "
+    "FILE.py:FUNCTION, or a language model, models.toml:NAME or models.toml:NAME+ROLE."
 )
 SIDE_BY_SIDE = "file"
+YOU = "you"  # a person at the terminal
 FROM_FILE = (
     "agent 0 follows the first policy of the game's file, agent 1 the second, and so on; random "
     "agents if it has none"
@@ -52,8 +55,13 @@ code_option = click.option(
 
 
 def check_policy(name: str, game: "ir.Game") -> None:
-    """Raises ClickException for a text that can't name a policy of the game; needs no JAX."""
+    """Raises ClickException for a text that can't name a policy of the game, and ModelError for a
+    wrong file of models; needs no JAX.
+    """
     declared = [policy.name for policy in game.policies]
+    if is_model_name(name):
+        wordings(find_model(name).role, game)  # raises
+        return
     if name != SIDE_BY_SIDE and not might_be_named(name, declared):
         raise click.ClickException(unknown_policy(name, declared))
 
@@ -75,9 +83,38 @@ def choose_policy(name: str, env: "Environment") -> Any:
         return UNTRAINED[name](env)
     check_policy(name, env.game)
     from sjdsl.trainers import find_policy
+    from sjdsl.trainers.policies.loading import find_host
 
+    host = find_host(name)
+    if host is not None:
+        from sjdsl.models.hosted import hosted_policy
+
+        agents = range(env.num_agents)
+        return hosted_policy(env, dict.fromkeys(agents, host), mixed_policy(env.num_agents, []))
     with warnings_as_notes():
         return find_policy(name, env)
+
+
+def seated_policy(seats: Sequence[str], env: "Environment") -> Any:
+    """Returns the policy of a line-up: of each agent, by name; `you` takes action 0."""
+    from sjdsl.runtime.policy import mixed_policy
+    from sjdsl.trainers.policies.loading import find_host
+
+    hosts = {}
+    agents_of: dict[str, list[int]] = {}
+    for agent, name in enumerate(seats):
+        host = find_host(name)
+        if host is not None:
+            hosts[agent] = host
+        elif name != YOU:
+            agents_of.setdefault(name, []).append(agent)
+    parts = [(agents, choose_policy(name, env)) for name, agents in agents_of.items()]
+    others = mixed_policy(env.num_agents, parts)
+    if not hosts:
+        return others
+    from sjdsl.models.hosted import hosted_policy
+
+    return hosted_policy(env, hosts, others)
 
 
 @contextmanager

@@ -3,6 +3,8 @@ replay.
 """
 
 import hashlib
+from collections.abc import Callable, Iterator
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,15 +18,18 @@ from sjdsl.cli.environment_options import (
 )
 from sjdsl.cli.episode_options import SEED_OF_FIRST, episodes_option, seed_option
 from sjdsl.cli.folders import require_folder_of, require_unused
+from sjdsl.cli.model_options import Asking, model_options
 from sjdsl.cli.policies import SIDE_BY_SIDE, check_policy, choose_policy, code_option, policy_option
 from sjdsl.cli.stages import LOADING, Say, stages
-from sjdsl.replay import DatasetWriter, Header
+from sjdsl.models import Limits, Model, Talks, find_model, is_model_name
+from sjdsl.replay import DatasetWriter, Episode, Header
 from sjdsl.replay.recording import with_tasks_played
 from sjdsl.trainers.settings.policy_names import UNTRAINED, split_name
 
 if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
 
+Play = Callable[["Environment", Header], Iterator[Episode]]
 PACKAGES = ("sjdsl", "jax", "numpy")
 REPORTED = 100  # episodes between two lines of progress
 
@@ -46,6 +51,7 @@ REPORTED = 100  # episodes between two lines of progress
     help="How to store observations.",
 )
 @environment_options
+@model_options
 def command(
     game: str,
     output: str | None,
@@ -54,6 +60,7 @@ def command(
     seed: int,
     observation: str,
     options: EnvironmentOptions,
+    asking: Asking,
 ) -> None:
     """Plays GAME and stores observations, actions and rewards of whole episodes."""
     path = Path(output or f"{Path(game).stem}.npz")
@@ -67,9 +74,18 @@ def command(
     require_unused(path, "recorded episodes")
     require_folder_of(path)
     arguments = options.describe(game)
-    with stages(LOADING) as say:
+    is_asked = is_model_name(policy)
+    if asking.dry_run or (not is_asked and asking != Asking(Limits())):
+        raise click.UsageError(
+            "--parallel, --budget and --calls are for language models; for --dry-run see crossplay"
+        )
+    folder = path.with_name(f"{path.stem}_models") if is_asked else None
+    with stages(LOADING) as say, Talks(folder, asking.limits, say) as talks:
         env = make_environment(arguments)
-        act = choose_policy(policy, env)
+        if is_asked:
+            play = partial(_play_asked, find_model(policy), talks)
+        else:
+            play = partial(_play_compiled, choose_policy(policy, env))
         planes = {
             "onehot": list(env.channel_names),
             "tokens": [plane.name for plane in env.token_planes],
@@ -88,23 +104,44 @@ def command(
             action_names=list(env.action_names),
             versions={name: version(name) for name in PACKAGES},
         )
-        summary = write_episodes(env, act, header, path, say)
+        summary = write_episodes(env, play, header, path, say)
     click.echo(summary)
 
 
-def write_episodes(env: "Environment", policy: Any, header: "Header", path: Path, say: Say) -> str:
+def _play_compiled(policy: Any, env: "Environment", header: Header) -> Iterator[Episode]:
+    """Yields the episodes of a header under a policy."""
+    from sjdsl.replay import play_episodes
+
+    return play_episodes(env, policy, header.seed, header.episodes, header.observation)
+
+
+def _play_asked(
+    model: Model, talks: Talks, env: "Environment", header: Header
+) -> Iterator[Episode]:
+    """Yields the episodes of a header, in which all agents ask a model; calls are recorded."""
+    from sjdsl.models.hosted import hosted_policy
+    from sjdsl.replay import play_asked_episodes
+    from sjdsl.runtime.policy import mixed_policy
+
+    hosts = dict.fromkeys(range(env.num_agents), model)
+    nobody = mixed_policy(env.num_agents, [])
+
+    def policy_of(seed: int) -> Any:
+        return hosted_policy(env, hosts, nobody, talks.part(f"seed_{seed}"), talks.limits.parallel)
+
+    return play_asked_episodes(env, policy_of, header.seed, header.episodes, header.observation)
+
+
+def write_episodes(env: "Environment", play: Play, header: Header, path: Path, say: Say) -> str:
     """Plays and writes the episodes of a header; returns a summary.
 
     If this is interrupted, the episodes so far are stored, and their summary is printed.
     """
-    from sjdsl.replay import play_episodes
-
     writer = DatasetWriter(path, header)
     try:
         with writer:
             say(f"playing {header.episodes} episodes of {env.title or env.name}")
-            episodes = play_episodes(env, policy, header.seed, header.episodes, header.observation)
-            for number, episode in enumerate(episodes, 1):
+            for number, episode in enumerate(play(env, header), 1):
                 writer.add(episode)
                 if number % REPORTED == 0 and number < header.episodes:
                     say(f"{number} of {header.episodes} episodes written")

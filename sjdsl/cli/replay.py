@@ -75,7 +75,11 @@ def command(
             else:
                 letters = make_letters(env.game)
                 board = board_of(env.game)
-                boards = ["\n".join(moment_lines(moment, letters, board)) for moment in moments]
+                seats = recording.players or ()
+                boards = [
+                    "\n".join(moment_lines(moment, letters, board, seats=seats))
+                    for moment in moments
+                ]
                 report = "\n\n".join([letters.legend_line(), *boards])
     except RecordingError as error:
         raise click.ClickException(str(error)) from None

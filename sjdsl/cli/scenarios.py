@@ -8,6 +8,7 @@ import click
 
 from sjdsl.cli.environment_options import EnvironmentOptions
 from sjdsl.cli.experiment_options import echo_files, prepare_environment, prepare_experiment
+from sjdsl.cli.model_options import Asking, show_forecast
 from sjdsl.cli.policies import warnings_as_notes
 from sjdsl.cli.provenance import arguments_of_run
 from sjdsl.library.tasks import replaced_tasks
@@ -24,6 +25,7 @@ def evaluate_in_scenarios(
     seed: int,
     output: str | None,
     options: EnvironmentOptions,
+    asking: Asking,
 ) -> None:
     """Plays a policy in scenarios, prints its scores, and writes `scenarios.json`.
 
@@ -50,6 +52,7 @@ def evaluate_in_scenarios(
 
         with warnings_as_notes():
             plan = plan_scenarios(env, policy, names, episodes, seed)
-        results = play_planned(plan, folder, say, stem)
+        show_forecast(plan.experiment, asking)
+        results = play_planned(plan, folder, say, stem, asking.limits)
     click.echo(scenarios_text(results))
     echo_files(folder, (f"{stem}.json",))

@@ -7,6 +7,7 @@ import click
 
 from sjdsl.cli.environment_options import EnvironmentOptions
 from sjdsl.cli.experiment_options import echo_files, experiment_options, prepare_experiment
+from sjdsl.cli.model_options import Asking, show_forecast
 from sjdsl.cli.policies import NAMES, warnings_as_notes
 from sjdsl.extras import require
 
@@ -26,6 +27,7 @@ def command(
     seed: int,
     output: str | None,
     options: EnvironmentOptions,
+    asking: Asking,
 ) -> None:
     """Plays GAME with k cooperators and N - k defectors, for k = 0 .. N, and says whether it is a
     dilemma for them, at 95 %.
@@ -41,6 +43,7 @@ def command(
 
         with warnings_as_notes():
             plan = plan_diagram(env, cooperators, defectors, episodes, seed)
-        diagram = play_diagram(plan, folder, say)
+        show_forecast(plan, asking)
+        diagram = play_diagram(plan, folder, say, asking.limits)
     click.echo(diagram_text(diagram))
     echo_files(folder, FILES)

@@ -11,9 +11,17 @@ from sjdsl.experiments.folder import CROSS_PLAY, record_experiment, require_same
 from sjdsl.experiments.lineups import all_mixtures, paired_mixtures
 from sjdsl.experiments.mixtures import CrossPlay, Mix, report_of, table_of
 from sjdsl.experiments.pictures import draw_matrix, picture_bytes
-from sjdsl.experiments.playing import Experiment, Tell, check_episodes, find_pools, play_experiment
+from sjdsl.experiments.playing import (
+    Experiment,
+    Tell,
+    check_episodes,
+    find_pools,
+    open_talks,
+    play_experiment,
+)
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.files import write_whole
+from sjdsl.models import Limits
 from sjdsl.runtime.policy import Policy
 from sjdsl.several import several
 from sjdsl.trainers.environment import Environment
@@ -25,9 +33,11 @@ def cross_play(
     slots: str | Path | Policy | Sequence[str | Path | Policy] | None = None,
     policies: str | Path | Policy | Sequence[str | Path | Policy] | None = None,
     mix: Mix = "all",
+    rotate: bool = False,
     episodes: int = 30,
     seed: int = 0,
     folder: Path | str | None = None,
+    limits: Limits | None = None,
     tell: Tell = lambda _: None,
 ) -> CrossPlay:
     """Plays policies with each other.
@@ -41,23 +51,30 @@ def cross_play(
         episode draws who has which slot.
       mix: `all`: every mixture over N slots; `pairs`: one agent of a policy among N - 1 of another,
         and each with itself.
+      rotate: of `slots`: in episode e slot i is played by policy (i + e) mod N.
       episodes: E, of each mixture and replicate.
       seed: the seed of the episodes. All mixtures have the same starts; those of a line-up are
         those of `evaluate` with `evaluation_key(seed)`.
       folder: where results are written: a new or empty folder, or one of the same experiment. None:
         nothing is written.
+      limits: of the calls of models.
       tell: called with a line before each line-up.
     Raises:
       ExperimentError, PolicyError: something doesn't fit. OSError: the disk is full.
+      ModelError: a model can't be asked, or a limit is reached.
     """
     in_slots = None if slots is None else several(slots)
     mixed = None if policies is None else several(policies)
-    experiment = plan_cross_play(env, in_slots, mixed, mix, episodes, seed)
-    return play_mixtures(experiment, mix if slots is None else None, folder, tell)
+    experiment = plan_cross_play(env, in_slots, mixed, mix, episodes, seed, rotate)
+    return play_mixtures(experiment, mix if slots is None else None, folder, tell, limits)
 
 
 def play_mixtures(
-    experiment: Experiment, mix: Mix | None, folder: Path | str | None, tell: Tell
+    experiment: Experiment,
+    mix: Mix | None,
+    folder: Path | str | None,
+    tell: Tell,
+    limits: Limits | None = None,
 ) -> CrossPlay:
     """Plays a plan of `plan_cross_play`; see `cross_play`. `mix`: None for a fixed line-up."""
     description = {
@@ -66,11 +83,14 @@ def play_mixtures(
         "lineups": experiment.lineups,
         **experiment.describe(),
     }
-    if folder is not None:
-        require_same(Path(folder), description)
-    results = CrossPlay(experiment, tuple(play_experiment(experiment, tell)), mix)
-    if folder is not None:
-        write_cross_play(results, Path(folder), description)
+    path = None if folder is None else Path(folder)
+    if path is not None:
+        require_same(path, description)
+    with open_talks(experiment, path, description, limits, tell) as talks:
+        parts = play_experiment(experiment, tell, talks)
+    results = CrossPlay(experiment, tuple(parts), mix, talks.by_policy())
+    if path is not None:
+        write_cross_play(results, path, description)
     return results
 
 
@@ -81,6 +101,7 @@ def plan_cross_play(
     mix: Mix,
     episodes: int,
     seed: int,
+    rotate: bool = False,
 ) -> Experiment:
     """Plans `cross_play`, and raises the same errors."""
     check_episodes(episodes)
@@ -105,7 +126,9 @@ def plan_cross_play(
         slot_pools = find_pools(slots, env)
         pools = tuple(dict.fromkeys(slot_pools))
         lineup = tuple(pools.index(pool) for pool in slot_pools)
-        return Experiment(env, pools, (lineup,), episodes, seed, permuted=False)
+        return Experiment(env, pools, (lineup,), episodes, seed, permuted=False, rotated=rotate)
+    if rotate:
+        raise ExperimentError("mixtures draw who has which slot; rotate goes with slots")
     if not policies:
         raise ExperimentError("name at least one policy")
     make_mixtures = all_mixtures if mix == "all" else paired_mixtures

@@ -2,8 +2,8 @@
 values.
 """
 
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -19,7 +19,9 @@ from sjdsl.experiments.contrasts import (
     preferences,
 )
 from sjdsl.experiments.playing import Experiment, Part
+from sjdsl.experiments.usage import describe_usage, too_many_invalid
 from sjdsl.experiments.verdict import Verdict, judge, listed, share_that_may_differ
+from sjdsl.models.talks import Usage
 from sjdsl.trainers.policies.estimates import Estimate, stack_estimates
 
 FORMAT = 1  # of schelling.json
@@ -36,6 +38,7 @@ class Diagram:
 
     experiment: Experiment
     returns: Returns
+    usage: Mapping[str, Usage] = field(default_factory=dict)  # of models, by their names
 
     @property
     def cooperating(self) -> tuple[Estimate, ...]:
@@ -65,8 +68,12 @@ class Diagram:
 
     @property
     def verdict(self) -> Verdict:
-        """Whether it is a dilemma."""
-        return judge(contrast_samples(self.returns))
+        """Whether it is a dilemma; undecided if too many replies of a model couldn't be used."""
+        verdict = judge(contrast_samples(self.returns))
+        reason = too_many_invalid(self.usage)
+        if not reason:
+            return verdict
+        return replace(verdict, outcome="undecided", reason=reason, wanted=None, without_spread=())
 
     @property
     def units(self) -> int:
@@ -134,6 +141,7 @@ def report_of(diagram: Diagram) -> dict[str, Any]:
         "cooperators": diagram.experiment.pools[0].name,
         "defectors": diagram.experiment.pools[1].name,
         **diagram.experiment.describe(),
+        **describe_usage(diagram.usage),
         "unit": diagram.returns.unit,
         "units": diagram.units,
         "returns": {

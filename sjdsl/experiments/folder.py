@@ -10,6 +10,7 @@ from typing import Any
 from sjdsl import files
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.files import UNFINISHED, write_whole
+from sjdsl.models.talks import FOLDER as TALKS
 from sjdsl.trainers.json_files import plain, write_json
 
 DESCRIPTION = "experiment.json"
@@ -56,9 +57,9 @@ def require_same(path: Path, description: Mapping[str, Any]) -> None:
 
 def _has_results(path: Path) -> bool:
     """Whether an experiment has written its last file, which is in its folder; for scenarios,
-    beside it."""
+    beside it; or has replies of models, which may have cost money."""
     last_files = (path / DIAGRAM, path / CROSS_PLAY, path.with_name(f"{path.name}.json"))
-    return any(file.exists() for file in last_files)
+    return any(file.exists() for file in (*last_files, path / TALKS))
 
 
 def record_experiment(path: Path, description: Mapping[str, Any]) -> None:

@@ -90,6 +90,13 @@ def fixed_orders(episodes: int, slots: int) -> np.ndarray:
     return np.broadcast_to(np.arange(slots, dtype=np.int32), (episodes, slots))
 
 
+def rotated_orders(episodes: int, slots: int) -> np.ndarray:
+    """Returns the order `[E, N]` int32 in which slot i of episode e has member (i + e) mod N."""
+    member = np.arange(slots, dtype=np.int32)
+    episode = np.arange(episodes, dtype=np.int32)
+    return (member[None] - episode[:, None]) % slots
+
+
 def key_bits(key: Array) -> list[int]:
     """Returns the two uint32 numbers of a key."""
     return [int(bits) for bits in jax.random.key_data(key)]

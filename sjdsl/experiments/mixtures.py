@@ -5,8 +5,8 @@ values.
 import csv
 import io
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from typing import Any, Literal
 
 import numpy as np
@@ -14,6 +14,8 @@ import numpy as np
 from sjdsl.experiments.lineups import Lineup, visiting
 from sjdsl.experiments.players import player_of
 from sjdsl.experiments.playing import Experiment, Part
+from sjdsl.experiments.usage import describe_usage
+from sjdsl.models.talks import Usage
 from sjdsl.short_paths import short_names
 from sjdsl.trainers.policies.estimates import Estimate, estimate
 
@@ -31,6 +33,7 @@ class CrossPlay:
     experiment: Experiment
     parts: tuple[Part, ...]
     mix: Mix | None  # None: one fixed line-up
+    usage: Mapping[str, Usage] = field(default_factory=dict)  # of models, by their names
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -112,6 +115,7 @@ def report_of(results: CrossPlay) -> dict[str, Any]:
         "format": FORMAT,
         **experiment.describe(),
         "mix": results.mix,
+        **describe_usage(results.usage),
         "unit": results.unit,
         "mixtures": mixtures,
     }

@@ -16,6 +16,9 @@ from jax import Array
 
 from sjdsl.compiler.ir.hash import policy_hash
 from sjdsl.experiments.refusals import ExperimentError
+from sjdsl.models import HostPolicy, Model, told
+from sjdsl.models.roles import wordings
+from sjdsl.models.seats import check_playable
 from sjdsl.policies.declared import declared_policies
 from sjdsl.runtime.policy import Policy, take_actions, unchanged, with_memory
 from sjdsl.trainers.environment import (
@@ -26,7 +29,7 @@ from sjdsl.trainers.environment import (
     reset_shapes,
 )
 from sjdsl.trainers.policies.digest import digest_of
-from sjdsl.trainers.policies.loading import find_policy, read_parameters, trained_policy
+from sjdsl.trainers.policies.loading import find_host, find_policy, read_parameters, trained_policy
 from sjdsl.trainers.policies.policy_file import POLICIES, SUFFIX, policy_path
 from sjdsl.trainers.runs.run_folder import describe_game
 from sjdsl.trainers.runs.run_state import run_state
@@ -60,6 +63,7 @@ class Player:
     kind: Hashable  # players of one kind differ in parameters only
     policy_of: Callable[[Any], Policy]  # returns the policy with the given parameters
     parameters: Any = ()
+    host: HostPolicy | None = None  # asked in words; then `policy_of` only holds its slot
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,6 +108,9 @@ def find_pool(policy: str | Path | Policy, env: Environment) -> Pool:
       ExperimentError: it was trained on another game, or its training diverged, or no seed of the
         run is left.
     """
+    host = find_host(policy)
+    if host is not None:
+        return _host_pool(policy, host, env)
     if not isinstance(policy, str | Path):
         return _untrained_pool(name_of("policy", policy), policy, program_digest(policy, env))
     name = str(policy)
@@ -153,6 +160,30 @@ def _untrained_pool(name: str, policy: Policy, digest: str | None) -> Pool:
     """Returns the pool of a policy without parameters, which is computed with no other."""
     kind = ("a kind of its own", name)
     player = Player(name, seed=None, digest=digest, kind=kind, policy_of=lambda _: policy)
+    return Pool(name, (player,))
+
+
+def _host_pool(policy: Any, host: HostPolicy, env: Any) -> Pool:
+    """Returns the pool of a policy that is asked in words.
+
+    The digest is of all that its replies depend on: the settings of a model, and its texts.
+    """
+    check_playable(env)
+    name = policy if isinstance(policy, str) else name_of("policy", policy)
+    digest = None
+    if isinstance(host, Model):
+        if not isinstance(policy, str) and host.name:
+            name = f"{host.name}+{host.role}" if host.role else host.name
+        texts = [told(env, None, words, host.notebook) for words in wordings(host.role, env.game)]
+        content = json.dumps([host.settings(), texts], sort_keys=True)
+        digest = sha256(content.encode()).hexdigest()
+
+    def waiting(key: Array, observation: Array) -> Array:
+        del key, observation
+        return jnp.zeros(env.num_agents, jnp.int32)
+
+    kind = ("a kind of its own", name)
+    player = Player(name, None, digest, kind, lambda _: waiting, host=host)
     return Pool(name, (player,))
 
 

@@ -1,13 +1,21 @@
 """Plays the line-ups of an experiment one by one."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from sjdsl.experiments.lineups import Lineup, fixed_orders, key_bits, orders_of, play_key
+from sjdsl.experiments.folder import record_experiment
+from sjdsl.experiments.lineups import (
+    Lineup,
+    fixed_orders,
+    key_bits,
+    orders_of,
+    play_key,
+    rotated_orders,
+)
 from sjdsl.experiments.players import (
     Player,
     Pool,
@@ -18,6 +26,7 @@ from sjdsl.experiments.players import (
 )
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.experiments.stacks import make_player_of_lineups
+from sjdsl.models import Limits, Talks
 from sjdsl.runtime.policy import Policy
 from sjdsl.trainers.environment import Environment
 from sjdsl.trainers.policies.evaluation import Evaluation
@@ -36,6 +45,7 @@ class Experiment:
     episodes: int
     seed: int
     permuted: bool  # whether each episode draws which member has which slot
+    rotated: bool = False  # whether they move on by one slot with each episode
 
     @property
     def title(self) -> str:
@@ -46,6 +56,11 @@ class Experiment:
     def replicates(self) -> int:
         """R."""
         return replicates_of(self.pools)
+
+    @property
+    def hosts(self) -> list[Pool]:
+        """The pools that are asked in words."""
+        return [pool for pool in self.pools if pool.players[0].host is not None]
 
     @property
     def notes(self) -> list[str]:
@@ -64,12 +79,15 @@ class Experiment:
             "keys": [key_bits(key) for key in keys],
             "permuted": self.permuted,
             "notes": self.notes,
+            **({"rotated": True} if self.rotated else {}),
         }
 
     def orders(self, replicate: int) -> np.ndarray:
         """Returns the slot `[E, N]` int32 of each member of a line-up, in each episode."""
         if self.permuted:
             return orders_of(self.seed, replicate, self.episodes, self.env.num_agents)
+        if self.rotated:
+            return rotated_orders(self.episodes, self.env.num_agents)
         return fixed_orders(self.episodes, self.env.num_agents)
 
     def players(self, lineup: Lineup, replicate: int) -> tuple[Player, ...]:
@@ -115,13 +133,15 @@ def find_pools(policies: Sequence[str | Path | Policy], env: Environment) -> tup
     return tuple(paired[pool] for pool in pools)
 
 
-def play_experiment(experiment: Experiment, tell: Tell) -> list[Part]:
+def play_experiment(experiment: Experiment, tell: Tell, talks: Talks | None = None) -> list[Part]:
     """Returns each line-up as every replicate played it, line-up by line-up.
 
     Args:
       tell: called with a line before each line-up that is played.
+      talks: asks those who are asked in words; None: they are asked, and nothing is recorded.
     Raises:
       ExperimentError: a return is not finite.
+      ModelError: a model can't be asked, or a limit is reached.
     """
     episodes = experiment.episodes
     replicates = range(experiment.replicates)
@@ -132,6 +152,7 @@ def play_experiment(experiment: Experiment, tell: Tell) -> list[Part]:
         for replicate in replicates
     ]
     play = make_player_of_lineups(experiment.env, lineups, episodes)
+    talks = talks or Talks()
     parts = []
     for number, lineup in enumerate(experiment.lineups, start=1):
         for replicate in replicates:
@@ -142,7 +163,8 @@ def play_experiment(experiment: Experiment, tell: Tell) -> list[Part]:
             )
             key = play_key(experiment.seed, replicate)
             players = experiment.players(lineup, replicate)
-            played = play(key, players, orders[replicate])
+            ask = talks.part(f"lineup_{'-'.join(map(str, lineup))}_seed_{replicate}")
+            played = play(key, players, orders[replicate], ask, talks.limits.parallel)
             for episode, agent in np.argwhere(~np.isfinite(played.returns)):
                 raise ExperimentError(
                     f"the return of agent {agent} in episode {episode} of line-up {number}{seed} "
@@ -150,6 +172,23 @@ def play_experiment(experiment: Experiment, tell: Tell) -> list[Part]:
                 )
             parts.append(Part(lineup, replicate, played, orders[replicate]))
     return parts
+
+
+def open_talks(
+    experiment: Experiment,
+    folder: Path | None,
+    description: Mapping[str, Any],
+    limits: Limits | None,
+    tell: Tell,
+) -> Talks:
+    """Returns what asks the models of an experiment, to be used in a `with` block.
+
+    The description of the experiment is in its folder before they are asked.
+    """
+    if folder is None or not experiment.hosts:
+        return Talks(None, limits, tell)
+    record_experiment(folder, description)
+    return Talks(folder, limits, tell)
 
 
 def check_episodes(episodes: int) -> None:

@@ -2,7 +2,7 @@
 best scripted policy."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 import numpy as np
@@ -10,6 +10,8 @@ import numpy as np
 from sjdsl.compiler import ir
 from sjdsl.experiments.lineups import Lineup
 from sjdsl.experiments.playing import Experiment, Part
+from sjdsl.experiments.usage import describe_usage
+from sjdsl.models.talks import Usage
 from sjdsl.trainers.policies.estimates import Estimate, estimate
 
 FORMAT = 1  # of scenarios.json
@@ -95,6 +97,7 @@ class ScenarioScores:
 
     experiment: Experiment
     scenarios: Mapping[str, ScenarioScore]
+    usage: Mapping[str, Usage] = field(default_factory=dict)  # of models, by their names
 
     @property
     def policy(self) -> str:
@@ -180,6 +183,7 @@ def report_of(scores: ScenarioScores) -> dict[str, Any]:
         **scores.experiment.describe(),
         "focal_policy": scores.policy,
         "training_seeds": list(scores.experiment.pools[0].seeds),
+        **describe_usage(scores.usage),
         "unit": scores.unit,
         "units": scores.units,
         "scenarios": {name: _describe_score(score) for name, score in scores.scenarios.items()},

@@ -8,7 +8,14 @@ from typing import Any
 
 from sjdsl.compiler import ir
 from sjdsl.experiments.folder import read_json, record_experiment, require_same, write_compact_json
-from sjdsl.experiments.playing import Experiment, Tell, check_episodes, find_pools, play_experiment
+from sjdsl.experiments.playing import (
+    Experiment,
+    Tell,
+    check_episodes,
+    find_pools,
+    open_talks,
+    play_experiment,
+)
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.experiments.scenario_scores import (
     RANDOM,
@@ -18,6 +25,7 @@ from sjdsl.experiments.scenario_scores import (
     score_of,
     slots_of,
 )
+from sjdsl.models import Limits
 from sjdsl.near_names import meant
 from sjdsl.policies.declared import declared_policies
 from sjdsl.runtime.policy import Policy
@@ -63,6 +71,7 @@ def play_scenarios(
     episodes: int = 30,
     seed: int = 0,
     folder: Path | str | None = None,
+    limits: Limits | None = None,
     tell: Tell = lambda _: None,
 ) -> ScenarioScores:
     """Plays a policy as the focal agents of scenarios; the game's file says what the others play.
@@ -79,11 +88,14 @@ def play_scenarios(
       seed: the seed of the episodes.
       folder: where `scenarios.json` is written; scenarios that are in it already, played in the
         same way, stay. None: nothing is written.
+      limits: of the calls of models.
       tell: called with a line before each line-up.
     Raises:
       ExperimentError, PolicyError: something doesn't fit. OSError: the disk is full.
+      ModelError: a model can't be asked, or a limit is reached.
     """
-    return play_planned(plan_scenarios(env, policy, names, episodes, seed), folder, tell)
+    plan = plan_scenarios(env, policy, names, episodes, seed)
+    return play_planned(plan, folder, tell, limits=limits)
 
 
 def plan_scenarios(
@@ -113,19 +125,25 @@ def plan_scenarios(
 
 
 def play_planned(
-    plan: Plan, folder: Path | str | None, tell: Tell, name: str = NAME
+    plan: Plan,
+    folder: Path | str | None,
+    tell: Tell,
+    name: str = NAME,
+    limits: Limits | None = None,
 ) -> ScenarioScores:
     """Plays a plan of `plan_scenarios`; see `play_scenarios`.
 
     `name` is the name of the results in the folder.
     """
-    if folder is not None:
-        require_same(Path(folder) / name, plan.describe())
-    parts = play_experiment(plan.experiment, tell)
+    path = None if folder is None else Path(folder) / name
+    if path is not None:
+        require_same(path, plan.describe())
+    with open_talks(plan.experiment, path, plan.describe(), limits, tell) as talks:
+        parts = play_experiment(plan.experiment, tell, talks)
     scores = {
         scenario.name: score_of(scenario, plan.scripted, parts) for scenario in plan.scenarios
     }
-    results = ScenarioScores(plan.experiment, scores)
+    results = ScenarioScores(plan.experiment, scores, talks.by_policy())
     if folder is not None:
         write_scenarios(results, plan, Path(folder), name)
     return results

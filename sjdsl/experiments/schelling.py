@@ -10,9 +10,17 @@ from sjdsl.experiments.diagram import Diagram, report_of, returns_of
 from sjdsl.experiments.folder import DIAGRAM, record_experiment, require_same, write_compact_json
 from sjdsl.experiments.lineups import cooperating
 from sjdsl.experiments.pictures import draw_diagram, picture_bytes
-from sjdsl.experiments.playing import Experiment, Tell, check_episodes, find_pools, play_experiment
+from sjdsl.experiments.playing import (
+    Experiment,
+    Tell,
+    check_episodes,
+    find_pools,
+    open_talks,
+    play_experiment,
+)
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.files import write_whole
+from sjdsl.models import Limits
 from sjdsl.runtime.policy import Policy
 from sjdsl.trainers.environment import Environment
 
@@ -27,6 +35,7 @@ def schelling_diagram(
     episodes: int = 30,
     seed: int = 0,
     folder: Path | str | None = None,
+    limits: Limits | None = None,
     tell: Tell = lambda _: None,
 ) -> Diagram:
     """Plays k cooperators with N - k defectors for k = 0 .. N.
@@ -41,23 +50,30 @@ def schelling_diagram(
       seed: the seed of the episodes.
       folder: where `schelling.json`, `.png` and `.svg` are written: a new or empty folder, or one
         of the same experiment. None: nothing is written.
+      limits: of the calls of models.
       tell: called with a line before each line-up.
     Raises:
       ExperimentError, PolicyError: something doesn't fit. OSError: the disk is full.
+      ModelError: a model can't be asked, or a limit is reached.
     """
-    return play_diagram(plan_diagram(env, cooperators, defectors, episodes, seed), folder, tell)
+    experiment = plan_diagram(env, cooperators, defectors, episodes, seed)
+    return play_diagram(experiment, folder, tell, limits)
 
 
-def play_diagram(experiment: Experiment, folder: Path | str | None, tell: Tell) -> Diagram:
+def play_diagram(
+    experiment: Experiment, folder: Path | str | None, tell: Tell, limits: Limits | None = None
+) -> Diagram:
     """Plays a plan of `plan_diagram`; see `schelling_diagram`."""
     description = {"experiment": "schelling", **experiment.describe()}
-    if folder is not None:
-        require_same(Path(folder), description)
-    parts = play_experiment(experiment, tell)
+    path = None if folder is None else Path(folder)
+    if path is not None:
+        require_same(path, description)
+    with open_talks(experiment, path, description, limits, tell) as talks:
+        parts = play_experiment(experiment, tell, talks)
     returns = returns_of(parts, experiment.env.num_agents, experiment.replicates)
-    diagram = Diagram(experiment, returns)
-    if folder is not None:
-        write_diagram(diagram, Path(folder), description)
+    diagram = Diagram(experiment, returns, talks.by_policy())
+    if path is not None:
+        write_diagram(diagram, path, description)
     return diagram
 
 

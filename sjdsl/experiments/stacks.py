@@ -14,11 +14,14 @@ import numpy as np
 from jax import Array
 
 from sjdsl.experiments.players import Player
+from sjdsl.models import HostPolicy
+from sjdsl.models import Seats as AskedSeats
+from sjdsl.models.seats import Ask
 from sjdsl.trainers.environment import Environment
-from sjdsl.trainers.policies.evaluation import Evaluation, make_evaluator
+from sjdsl.trainers.policies.evaluation import Evaluation, make_evaluator, make_host_evaluator
 from sjdsl.trainers.policies.loading import MemoryPolicy, with_memory
 
-PlayLineup = Callable[[Array, Sequence[Player], np.ndarray], Evaluation]
+PlayLineup = Callable[[Array, Sequence[Player], np.ndarray, Ask, int], Evaluation]
 
 
 @dataclass(frozen=True)
@@ -103,7 +106,8 @@ def make_player_of_lineups(
       env: one environment of N agents.
       lineups: all line-ups to be played, N players each.
     Returns:
-      a function of a typed key, a line-up and the slots `[E, N]` of its members.
+      a function of a typed key, a line-up and the slots `[E, N]` of its members, and of how those
+      are asked who are asked in words: `Seats`' `ask` and `parallel`.
     """
     stacks = make_stacks(lineups)
     parameters = [stack.parameters for stack in stacks]
@@ -117,22 +121,36 @@ def make_player_of_lineups(
         memories = tuple(stack.example().starts(episodes, stack.at_once) for stack in stacks)
         return column_of_slot, memories
 
-    evaluator = make_evaluator(
-        env,
-        lambda arguments: _lineup_policy(stacks, *arguments[:3]),
-        episodes,
-        memory_of=initial_memory,
-    )
+    def policy_of(arguments: Any) -> MemoryPolicy:
+        return _lineup_policy(stacks, *arguments[:3])
 
-    def play(key: Array, lineup: Sequence[Player], order: np.ndarray) -> Evaluation:
+    evaluator = make_evaluator(env, policy_of, episodes, initial_memory)
+    host_evaluator = make_host_evaluator(env, policy_of, episodes, initial_memory)
+
+    def play(
+        key: Array, lineup: Sequence[Player], order: np.ndarray, ask: Ask, parallel: int
+    ) -> Evaluation:
         """Plays a line-up. order: `[E, N]`, the slot of each member in each episode."""
         seats = find_seats(stacks, lineup)
         column_of_slot = np.empty_like(order)
         columns = np.broadcast_to(seats.columns, order.shape)
         np.put_along_axis(column_of_slot, order, columns, axis=1)
-        return evaluator(key, (parameters, seats.chosen, seats.only_column, column_of_slot))
+        arguments = (parameters, seats.chosen, seats.only_column, column_of_slot)
+        hosts = find_hosts(lineup, order)
+        if not any(hosts):
+            return evaluator(key, arguments)
+        with AskedSeats(env, hosts, ask, parallel) as asked:
+            return host_evaluator(key, arguments, asked)
 
     return play
+
+
+def find_hosts(lineup: Sequence[Player], order: np.ndarray) -> list[dict[int, HostPolicy]]:
+    """Returns for each episode the policies of the slots that are asked in words."""
+    return [
+        {int(slots[member]): player.host for member, player in enumerate(lineup) if player.host}
+        for slots in order
+    ]
 
 
 def _lineup_policy(

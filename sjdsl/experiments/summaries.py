@@ -7,6 +7,7 @@ from sjdsl.experiments.contrasts import IN_WORDS
 from sjdsl.experiments.diagram import Diagram
 from sjdsl.experiments.mixtures import CrossPlay
 from sjdsl.experiments.scenario_scores import RANDOM, ScenarioScores
+from sjdsl.experiments.usage import too_many_invalid, usage_text
 from sjdsl.trainers.policies.estimates import Estimate
 
 
@@ -32,7 +33,9 @@ def diagram_text(diagram: Diagram) -> str:
         f"verdict: {_verdict_text(diagram)}",
     ]
     text = "\n\n".join(parts)
-    return f"{text}\n{diagram.caution}" if diagram.caution else text
+    if diagram.caution:
+        text += f"\n{diagram.caution}"
+    return f"{text}\n{usage_text(diagram.usage)}".rstrip()
 
 
 def _verdict_text(diagram: Diagram) -> str:
@@ -44,6 +47,8 @@ def _verdict_text(diagram: Diagram) -> str:
             return f"dilemma, {verdict.shape}: {verdict.reason}"
         case "no dilemma":
             return f"no dilemma: {verdict.reason}"
+    if too_many_invalid(diagram.usage):
+        return f"undecided: {verdict.reason}"
     if diagram.units < 2:
         return f"undecided: one {unit} has no spread; play at least two"
     number = f"about {verdict.wanted:,}" if verdict.wanted else "no feasible number of"
@@ -72,7 +77,9 @@ def crossplay_text(results: CrossPlay) -> str:
     shortened = [
         (short, name) for short, name in zip(names, results.names, strict=True) if short != name
     ]
-    return f"{table}\n\nthe policies\n{in_columns(shortened)}" if shortened else table
+    if shortened:
+        table += f"\n\nthe policies\n{in_columns(shortened)}"
+    return f"{table}\n{usage_text(results.usage)}".rstrip()
 
 
 def scenarios_text(scores: ScenarioScores) -> str:
@@ -111,7 +118,8 @@ def scenarios_text(scores: ScenarioScores) -> str:
         "score: (focal - random) / (best scripted - random), where random and best scripted play "
         "the focal agents of the same scenario"
     )
-    return "\n".join([title, in_columns(rows), definition, *cautions])
+    lines = [title, in_columns(rows), definition, *cautions, usage_text(scores.usage)]
+    return "\n".join(lines).rstrip()
 
 
 def in_columns(rows: Sequence[Sequence[str]]) -> str:

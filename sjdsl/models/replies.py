@@ -3,10 +3,12 @@
 import json
 from typing import Any
 
+from sjdsl.models.notebook import LONGEST, MOST_AFTER_A_TRIAL
 from sjdsl.models.policy import STAY, Message, NoteEdit, Reply
 from sjdsl.near_names import meant
 from sjdsl.told.reply import LONGEST_GOAL, LONGEST_WHY
 
+NO_OBJECT = "your reply was not a JSON object"
 LONGEST_QUOTED = 40  # characters of an action that isn't there, in the problem
 EDITS = ("add", "replace", "delete")
 
@@ -16,19 +18,34 @@ def read_reply(text: str, message: Message) -> Reply:
 
     A wrong note doesn't invalidate the action.
     """
-    try:
-        fields = json.loads(_without_fence(text))
-    except (ValueError, RecursionError):  # not JSON, a number of too many digits, or too deep
-        fields = None
-    if not isinstance(fields, dict):
-        return Reply(STAY, problem="your reply was not a JSON object")
+    fields = _fields(text)
+    if fields is None:
+        return Reply(STAY, problem=NO_OBJECT, is_valid=False)
     why = _text(fields.get("why"))[:LONGEST_WHY]
     goal = _text(fields.get("goal"))[:LONGEST_GOAL]
     note, problem = _note(fields.get("note"))
     action = fields.get("action")
     if not isinstance(action, str) or action not in message.allowed:
-        return Reply(STAY, why, goal, note, _wrong_action(action, message))
+        return Reply(STAY, why, goal, note, _wrong_action(action, message), is_valid=False)
     return Reply(action, why, goal, note, problem)
+
+
+def read_notes(text: str) -> Reply:
+    """Returns a reply with the notes of a text; if they can't be read, with none and the reason."""
+    fields = _fields(text)
+    notes = None if fields is None else fields.get("notes")
+    if not isinstance(notes, list) or not all(isinstance(note, str) for note in notes):
+        return Reply(STAY, problem="your notes could not be read, and stay", is_valid=False)
+    return Reply(STAY, notes=tuple(note[:LONGEST] for note in notes[:MOST_AFTER_A_TRIAL]))
+
+
+def _fields(text: str) -> dict[str, Any] | None:
+    """Returns the JSON object that a reply is; None if it is none."""
+    try:
+        fields = json.loads(_without_fence(text))
+    except (ValueError, RecursionError):  # not JSON, a number of too many digits, or too deep
+        return None
+    return fields if isinstance(fields, dict) else None
 
 
 def _without_fence(text: str) -> str:

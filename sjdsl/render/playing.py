@@ -1,7 +1,6 @@
 """Plays episodes to be drawn."""
 
 from collections.abc import Iterator
-from functools import partial
 from typing import Any
 
 import jax
@@ -10,7 +9,13 @@ import numpy as np
 from sjdsl.render.moment import Moment, Snapshot, take_snapshot
 from sjdsl.runtime.env import Environment
 from sjdsl.runtime.episode_keys import EpisodeKeys
-from sjdsl.runtime.policy import Policy, random_policy, stay_policy, take_actions, with_memory
+from sjdsl.runtime.policy import (
+    Policy,
+    compiled_actions,
+    random_policy,
+    stay_policy,
+    with_memory,
+)
 
 __all__ = ["play", "play_moments", "random_policy", "stay_policy"]
 
@@ -31,8 +36,7 @@ def play_moments(
 ) -> Iterator[Moment]:
     """Yields the states of `play`, of the same arguments, with the actions and rewards before."""
     policy_with_memory = with_memory(policy)
-    act = jax.jit(partial(take_actions, env, policy_with_memory))
-    after_step = jax.jit(policy_with_memory.after_step)
+    act, after_step = compiled_actions(env, policy_with_memory)
     played = 0
     while True:
         keys = EpisodeKeys(jax.random.key(seed), jax.random.fold_in)

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from sjdsl.replay.episode import Episode as Episode
     from sjdsl.replay.episode_player import EpisodePlayer as EpisodePlayer
     from sjdsl.replay.episode_player import replayed as replayed
+    from sjdsl.replay.episodes import play_asked_episodes as play_asked_episodes
     from sjdsl.replay.episodes import play_episodes as play_episodes
     from sjdsl.replay.recording import Recording as Recording
     from sjdsl.replay.recording import RecordingError as RecordingError
@@ -24,7 +25,7 @@ __getattr__ = lazy_names(
         "dataset": ("Dataset", "DatasetWriter", "Header", "load_recording"),
         "episode": ("Episode",),
         "episode_player": ("EpisodePlayer", "Moment", "replayed"),
-        "episodes": ("play_episodes",),
+        "episodes": ("play_asked_episodes", "play_episodes"),
         "recording": ("Recording", "RecordingError", "save_recording"),
     },
 )

@@ -4,6 +4,8 @@ Each is the episode that `sjdsl play --watch` shows for its seed.
 """
 
 from collections.abc import Callable, Iterator
+from functools import partial
+from multiprocessing.pool import ThreadPool
 from operator import itemgetter
 from typing import Any
 
@@ -15,7 +17,7 @@ from jax import Array
 from sjdsl.replay.episode import Episode, Observation
 from sjdsl.runtime.env import Environment
 from sjdsl.runtime.episode_keys import EpisodeKeys
-from sjdsl.runtime.policy import Policy, take_actions, with_memory
+from sjdsl.runtime.policy import MemoryPolicy, Policy, take_actions, with_memory
 from sjdsl.runtime.tokens import to_channels
 
 MAX_BYTES = 256 * 2**20  # of observations in memory, unless one episode has more
@@ -45,6 +47,47 @@ def play_episodes(
                 yield _without_rest(episode_seed, jax.tree.map(itemgetter(index), steps))
 
 
+def play_asked_episodes(
+    env: Environment,
+    policy_of: Callable[[int], MemoryPolicy],
+    seed: int,
+    episodes: int,
+    observation: Observation = "tokens",
+) -> Iterator[Episode]:
+    """Yields the episodes of `play_episodes` under policies that can't be traced, side by side.
+
+    Args:
+      policy_of: returns the policy for the episode of a seed.
+    """
+    encode = jax.jit(partial(_encoded, env, observation))
+    step = jax.jit(env.step_env)
+    reset = jax.jit(env.reset)
+
+    def play(seed: int) -> Episode:
+        policy = policy_of(seed)
+        keys = EpisodeKeys(jax.random.key(seed), jax.random.fold_in)
+        memory = policy.start
+        tokens, state = reset(keys.start())
+        observations = [encode(tokens)]
+        steps = []
+        for number in range(env.episode_length):
+            key = keys.of_choices(number)
+            memory, actions = take_actions(env, policy, memory, key, tokens, state)
+            tokens, state, reward, done, info = step(keys.of_step(number), state, actions)
+            memory = policy.after_step(memory, actions, reward, info)
+            observations.append(encode(tokens))
+            steps.append(_outcome(actions, reward, info))
+            if done:
+                break
+        of_steps = jax.tree.map(lambda *leaves: np.stack(leaves), *steps)
+        first = observations[0]
+        after = () if observation == "none" else np.stack(observations[1:])
+        return _without_rest(seed, {**of_steps, "first": first, "after": after})
+
+    with ThreadPool(min(episodes, MAX_EPISODES)) as pool:
+        yield from pool.imap(play, range(seed, seed + episodes))
+
+
 def episodes_at_once(env: Environment, observation: Observation = "tokens") -> int:
     """Returns the most episodes that `play_episodes` plays at once."""
     agents, planes, rows, cols = env.observation_shape
@@ -59,15 +102,7 @@ def _make_play(
     """Returns a function from an episode's key to its steps; those after its end mean nothing."""
     policy_with_memory = with_memory(policy)
 
-    def encoded(tokens: Array) -> Any:
-        """Returns tokens in the form in which observations are recorded."""
-        match observation:
-            case "none":
-                return ()
-            case "tokens":
-                return tokens
-            case "onehot":
-                return to_channels(tokens, env.token_planes, jnp.dtype(jnp.uint8))
+    encoded = partial(_encoded, env, observation)
 
     def play(key: Array) -> dict[str, Any]:
         """Plays an episode to its longest end; returns arrays `[T, ...]` of all its steps, by
@@ -83,15 +118,8 @@ def _make_play(
             )
             tokens, state, reward, _, info = env.step_env(keys.of_step(number), state, actions)
             memory = policy_with_memory.after_step(memory, actions, reward, info)
-            outcome = {
-                "terminated": info["terminated"],
-                "truncated": info["truncated"],
-                "events": info["events"],
-                "after": encoded(tokens),
-                "actions": actions.astype(jnp.int32),
-                "rewards": reward,
-            }
-            return (state, tokens, memory), outcome
+            outcome = _outcome(actions, reward, info)
+            return (state, tokens, memory), {**outcome, "after": encoded(tokens)}
 
         tokens, state = env.reset(keys.start())
         start = (state, tokens, policy_with_memory.start)
@@ -99,6 +127,28 @@ def _make_play(
         return {**steps, "first": encoded(tokens)}
 
     return play
+
+
+def _encoded(env: Environment, observation: Observation, tokens: Array) -> Any:
+    """Returns tokens in the form in which observations are recorded."""
+    match observation:
+        case "none":
+            return ()
+        case "tokens":
+            return tokens
+        case "onehot":
+            return to_channels(tokens, env.token_planes, jnp.dtype(jnp.uint8))
+
+
+def _outcome(actions: Array, reward: Array, info: dict[str, Any]) -> dict[str, Any]:
+    """Returns what is recorded of a step, but for the observation after it."""
+    return {
+        "terminated": info["terminated"],
+        "truncated": info["truncated"],
+        "events": info["events"],
+        "actions": actions.astype(jnp.int32),
+        "rewards": reward,
+    }
 
 
 def _without_rest(seed: int, steps: dict[str, Any]) -> Episode:

@@ -42,7 +42,7 @@ class Recording(BaseModel):
     environment: the arguments of `sjdsl.make`, among them the tasks played if the game has a task.
     hash: of the rules, which a replay has to have.
     actions: for each step, the number of each agent's action; returns: of each agent, to check a
-    replay.
+    replay. players: who played each agent, by the names of policies, `you` for a person.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -53,12 +53,14 @@ class Recording(BaseModel):
     seed: Seed
     actions: list[list[int]]
     returns: list[float]
+    players: list[str] | None = None
 
 
 def save_recording(recording: Recording, path: Path) -> None:
     """Writes the file of an episode, whole or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    write_whole(path, json.dumps(recording.model_dump()) + "\n")
+    unknown = {"players"} if recording.players is None else set()
+    write_whole(path, json.dumps(recording.model_dump(exclude=unknown)) + "\n")
 
 
 def read_recording(path: Path) -> Recording:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import jax
@@ -24,6 +25,8 @@ class MemoryPolicy:
     `env.allowed_actions(state)`; reads_state: whether the true state is its last argument.
     after_step: `(memory, actions, reward, info) -> memory`, called after each step with what all
     agents did, `[N]` int32, and earned, `[N]` float32, and the step's info.
+    traced: whether JAX can compile it; if not, as with a language model, only loops in Python call
+    it, one episode at a time.
     """
 
     start: Any
@@ -31,6 +34,7 @@ class MemoryPolicy:
     reads_allowed: bool = False
     reads_state: bool = False
     after_step: Callable[[Any, Array, Array, Mapping[str, Any]], Any] = unchanged
+    traced: bool = True
 
     def starts(self, *shape: int) -> Any:
         """Returns the memories before the first step of many episodes: leaves `[*shape, ...]`."""
@@ -64,6 +68,16 @@ def with_memory(policy: Policy) -> MemoryPolicy:
     if isinstance(policy, MemoryPolicy):
         return policy
     return MemoryPolicy((), lambda memory, key, observation: (memory, policy(key, observation)))
+
+
+def compiled_actions(
+    env: Any, policy: MemoryPolicy
+) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """Returns `take_actions` and `after_step` of a policy, compiled if it can be."""
+    act = partial(take_actions, env, policy)
+    if not policy.traced:
+        return act, policy.after_step
+    return jax.jit(act), jax.jit(policy.after_step)
 
 
 def take_actions(

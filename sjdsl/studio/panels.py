@@ -5,16 +5,19 @@ from typing import Any
 
 from sjdsl.compiler import compile_build, ir
 from sjdsl.compiler.ir.queries import kind_named
+from sjdsl.compiler.lower import token_planes
 from sjdsl.doc import read_written, report, rule_sheet
 from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.bodies import where_is
 from sjdsl.interpreter.observe import observe
 from sjdsl.interpreter.planes import planes
 from sjdsl.interpreter.state import HEADINGS, Cell, Mover, World
+from sjdsl.interpreter.step import action_mask
 from sjdsl.properties import GameFamily, Verdict, verify_properties
 from sjdsl.studio.counterexample import as_json
 from sjdsl.studio.episode import Episode, metric_values
 from sjdsl.studio.opened import Opened
+from sjdsl.told import Window, message
 from sjdsl.trace.effects import Effect
 from sjdsl.trace.episode import Moment
 from sjdsl.trace.lines import rules_with_effects
@@ -90,11 +93,14 @@ def _place_text(cell: Cell | None) -> str:
 
 
 def seen_panel(opened: Opened, world: World, agent: int) -> dict[str, Any]:
-    """Returns the observation of one agent by plane.
+    """Returns the observation of one agent by plane, and as the message to a language model.
 
     A plane has `values`, row by row, and `labels`, the meaning of each number.
     """
-    observation = observe(opened.game, world)[agent]
+    game = opened.game
+    observation = observe(game, world)[agent]
+    allowed = action_mask(game, world)[agent]
+    trial = 0 if game.trials is None else int(world.fields["trial"])
     described = [
         {
             "name": plane.name,
@@ -102,9 +108,10 @@ def seen_panel(opened: Opened, world: World, agent: int) -> dict[str, Any]:
             "labels": list(plane.labels),
             "values": observation[number].tolist(),
         }
-        for number, plane in enumerate(planes(opened.game))
+        for number, plane in enumerate(planes(game))
     ]
-    return {"agent": agent, "planes": described}
+    text = message(Window(game, token_planes(game)), observation, allowed, trial=trial)
+    return {"agent": agent, "planes": described, "message": text}
 
 
 def trace_panel(opened: Opened, moment: Moment) -> dict[str, Any]:

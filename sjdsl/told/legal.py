@@ -29,7 +29,7 @@ def action_lines(window: Window, seen: Planes, allowed: Sequence[bool]) -> list[
     steps = []
     plain = []
     for name in legal:
-        end = _end_of_step(name, window, seen)
+        end = end_of_step(name, window, seen)
         if end is None:
             plain.append(name)
         else:
@@ -58,8 +58,8 @@ def looks_north(game: ir.Game) -> bool:
     )
 
 
-def _end_of_step(name: str, window: Window, seen: Planes) -> str | None:
-    """Returns what is on the cell that a step leads to; None if that isn't known."""
+def end_of_step(name: str, window: Window, seen: Planes) -> str | None:
+    """Returns what is on the cell that a step leads to; None if that isn't known or it is none."""
     me = window.own_place(seen)
     if name not in STEPS or me is None or not has_built_in_moves(window.game):
         return None

@@ -29,30 +29,46 @@ def message(
     allowed: Sequence[bool],
     past: Sequence[Past] = (),
     notes: Sequence[str] = (),
+    ledger: Sequence[str] = (),
+    trial: int = 0,
 ) -> str:
     """Returns the message to one agent before a step.
 
     Args:
       seen: `[P, rows, cols]` uint8, the agent's token planes.
       allowed: for each action whether it may take it, a row of `env.allowed_actions`.
-      past: its own steps of this episode, the last one last.
+      past: its own last steps, the last one last.
       notes: its own notes, as it wrote them.
+      ledger: what its actions paid, a line each.
+      trial: which one it is in, in a game with trials.
     """
     parts = []
-    if past:
-        parts.append(f"YOUR LAST REWARD: {_reward(past[-1].reward)}")
-        parts.append("\n".join(["YOUR LAST STEPS, newest first:", *_recent(past)]))
-    if notes:
-        numbered = [f"{place}. {note}" for place, note in enumerate(notes, 1)]
-        parts.append("\n".join(["YOUR NOTES:", *numbered]))
+    if window.game.trials is not None:
+        parts.append(f"TRIAL: {trial}, of 0 to {window.game.trials.number - 1}")
+    parts += own_past(past, notes, ledger)
     parts.append(f"WHAT YOU SEE NOW:\n{window.text(seen)}")
     parts.append("\n".join(["YOUR ACTIONS NOW:", *action_lines(window, seen, allowed)]))
     return "\n\n".join(parts) + "\n"
 
 
+def own_past(past: Sequence[Past], notes: Sequence[str], ledger: Sequence[str]) -> list[str]:
+    """Returns the parts of a message about what an agent did, earned and noted."""
+    parts = []
+    if past:
+        parts.append(f"YOUR LAST REWARD: {_reward(past[-1].reward)}")
+        parts.append("\n".join(["YOUR LAST STEPS, newest first:", *_recent(past)]))
+    if ledger:
+        title = "YOUR MEAN REWARD SO FAR, by what you did or what you stepped onto:"
+        parts.append("\n".join([title, *ledger]))
+    if notes:
+        numbered = [f"{place}. {note}" for place, note in enumerate(notes, 1)]
+        parts.append("\n".join(["YOUR NOTES:", *numbered]))
+    return parts
+
+
 def _recent(past: Sequence[Past]) -> list[str]:
     lines = []
-    for ago, step in enumerate(reversed(past[-HISTORY:]), 1):
+    for ago, step in enumerate(reversed(past), 1):
         remark = f"; {step.remark}" if step.remark else ""
         lines.append(f"{ago} ago: {step.action}, reward {_reward(step.reward)}{remark}")
     return lines

@@ -25,7 +25,7 @@ from sjdsl.told.parameters import HasGame, parameters_of
 from sjdsl.told.phrases import English
 from sjdsl.told.reading import reading
 from sjdsl.told.relevance import FieldName, Relevant, fields_read, relevant, set_in
-from sjdsl.told.reply import REPLY
+from sjdsl.told.reply import reply_lines
 from sjdsl.told.sentences import Speaker
 from sjdsl.told.shapes import shape_lines
 from sjdsl.told.terms import PLACEHOLDERS, explained, with_terms
@@ -41,7 +41,9 @@ MOVES = (
 )
 
 
-def told(env: HasGame | ir.Game, agent: int | None = None) -> str:
+def told(
+    env: HasGame | ir.Game, agent: int | None = None, role: str = "", notebook: bool = True
+) -> str:
     """Returns the text that a player is told before an episode.
 
     It is made of the rules and of the parameters alone, so nothing that a state hides is in it.
@@ -49,6 +51,7 @@ def told(env: HasGame | ir.Game, agent: int | None = None) -> str:
     Args:
       env: an environment; or a game, with its default parameters.
       agent: the number of the player; without one, the text doesn't say who it is.
+      role: words on the part that it plays; notebook: whether it may keep notes.
 
     Raises:
       ValueError: there is no such agent, or the environment doesn't know its rules.
@@ -65,7 +68,7 @@ def told(env: HasGame | ir.Game, agent: int | None = None) -> str:
         values = parameters_of(env)
     player = _Player(game, values)
     sections = {
-        "YOUR AIM": player.aim(agent),
+        "YOUR AIM": player.aim(agent, role),
         "THE WORLD": player.world(),
         "ACTIONS": player.actions(),
         "SHAPES": shape_lines(player.shapes, player.laned, player.english),
@@ -74,7 +77,7 @@ def told(env: HasGame | ir.Game, agent: int | None = None) -> str:
         "TERMS": player.terms(),
         "NUMBERS": player.tables(),
         "YOUR WINDOW": reading(player.relevant, player.window, player.english),
-        "YOUR REPLY": REPLY.splitlines(),
+        "YOUR REPLY": reply_lines(notebook),
     }
     parts = ["\n".join([title, *lines]) for title, lines in sections.items() if lines]
     return "\n\n".join(parts) + "\n"
@@ -122,7 +125,7 @@ class _Player:
         names |= {node.shape for node in self._all(ir.Mark)}
         return tuple(shape for shape in self.game.shapes if shape.name in names)
 
-    def aim(self, agent: int | None) -> list[str]:
+    def aim(self, agent: int | None, role: str) -> list[str]:
         game = self.game
         others = game.agents.number - 1
         who = f"There are {game.agents.number} agents, numbered 0 to {others}."
@@ -138,6 +141,8 @@ class _Player:
         authors_words = dict(game.about).get("player")
         if authors_words is not None:
             lines.append(authors_words)
+        if role:
+            lines.append(role)
         if game.trials is None:
             lines.append(f"An episode lasts {length} steps{self._may_end_early()}.")
         else:

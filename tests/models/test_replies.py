@@ -38,7 +38,7 @@ def test_a_fence_around_it_is_no_harm() -> None:
 )
 def test_what_cannot_be_used_is_stay(text: str, problem: str) -> None:
     read = read_reply(text, ASKED)
-    assert (read.action, read.problem) == ("stay", problem)
+    assert (read.action, read.problem, read.is_valid) == ("stay", problem, False)
 
 
 @pytest.mark.parametrize(
@@ -67,12 +67,3 @@ def test_the_fake_one_depends_on_what_it_is_told_alone() -> None:
     assert set(chosen) == {"stay", "forward"}
     # Fair: 200 draws are within 60 and 140 but for a probability below 1e-8.
     assert 60 < chosen.count("forward") < 140
-
-
-def test_who_has_one_action_is_not_asked() -> None:
-    class Silent:
-        def complete(self, message: Message) -> str:
-            raise AssertionError(message)
-
-    message = Message("rules", "now", ASKED.actions, ("stay",))
-    assert LanguagePolicy(Silent()).decide(0, message) == Reply("stay")

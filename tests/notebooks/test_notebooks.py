@@ -126,6 +126,16 @@ def test_a_payoff_is_swept_in_one_program() -> None:
     assert len(shown(notebook, "image/png")) == 1
 
 
+@pytest.mark.thorough
+def test_models_play_and_go_on_where_they_stopped() -> None:
+    notebook = executed("models")
+    assert "YOUR AIM" in printed(notebook, "env = sjdsl.make")
+    assert "YOUR ACTIONS NOW" in printed(notebook, "class Reader")
+    said = printed(notebook, "roles =")
+    assert "100 calls were made" in said
+    assert said.count(": 180 calls, 0 unusable") == 2
+
+
 def _numbers(text: str) -> list[int]:
     return [int(number) for number in re.findall(r"-?\d+", text)]
 

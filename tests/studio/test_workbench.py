@@ -327,6 +327,15 @@ def test_what_cannot_be_is_refused_in_words(bench: Bench, request_: dict[str, An
     assert ask(bench, do="step")["at"] == 1, "and nothing else happened"
 
 
+def test_an_agent_is_seen_as_a_model_sees_it(bench: Bench) -> None:
+    """The text of its window, and what it may do; it is another one for an agent elsewhere."""
+    opened(bench)
+    first, second = (ask(bench, do="panel", panel="seen", agent=agent) for agent in (0, 1))
+    assert first["message"].startswith("WHAT YOU SEE NOW:\n")
+    assert "YOUR ACTIONS NOW:\n" in first["message"]
+    assert first["message"] != second["message"]
+
+
 def test_a_cell_is_painted_in_the_text(bench: Bench) -> None:
     answer = opened(bench, GAME.replace("sj 1", "sj 1  # 🍎"))
     assert answer["game"]["glyphs"] == [[".", "floor"], ["A", "soil"]]

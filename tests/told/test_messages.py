@@ -53,7 +53,9 @@ def messages(g: ir.Game, steps: int, replace: Hide | None = None, seed: int = 0)
         seen = observe(g, shown)
         mask = action_mask(g, shown)
         for agent in range(g.agents.number):
-            texts.append(message(window, seen[agent], mask[agent], past[agent], ["a note"]))
+            trial = world.fields.get("trial", 0)
+            told_now = message(window, seen[agent], mask[agent], past[agent], ["a note"], (), trial)
+            texts.append(told_now)
     return "\n".join(texts)
 
 

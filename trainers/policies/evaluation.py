@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, cast
 
 import flax
 import jax
@@ -11,11 +11,11 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from sjdsl.runtime.policy import MemoryPolicy, take_actions
+from sjdsl.runtime.policy import take_actions
 from sjdsl.runtime.returns import collective_return, equality
 
 from ..algorithms.episodes import EpisodeSums, add_step, zero_sums
-from ..environment import Environment, where_env
+from ..environment import Environment, MaskedEnvironment, trial_ended, where_env
 from ..json_files import write_json
 from .estimates import Estimate, estimate
 from .loading import Policy, with_memory
@@ -75,6 +75,22 @@ def evaluate(env: Environment, policy: Policy, key: Array, num_episodes: int = 3
     return make_evaluator(env, lambda _: policy, num_episodes)(key, ())
 
 
+class Chooser(Protocol):
+    """Chooses actions outside of compiled code, in E episodes side by side."""
+
+    def choose(self, observation: np.ndarray, allowed: np.ndarray, over: np.ndarray) -> np.ndarray:
+        """Returns actions `[E, N]` int32 before a step; -1 for agents that it leaves to a policy.
+
+        Args:
+          observation: `[E, N, P, V, V]` uint8; allowed: `[E, N, A]` bool; over: `[E]` bool.
+        """
+        ...
+
+    def learn(self, reward: np.ndarray, trial_ended: np.ndarray, over: np.ndarray) -> None:
+        """Gets what a step gave: `[E, N]` float32, `[E]` bool and `[E]` bool."""
+        ...
+
+
 def make_evaluator(
     env: Environment,
     policy_of: Callable[[Any], Policy],
@@ -88,27 +104,65 @@ def make_evaluator(
       memory_of: returns the initial memories `[E, ...]` of the episodes; None: the policy's
         `start`.
     """
+    together = _Together(env, policy_of, num_episodes, memory_of)
 
     @jax.jit
     def play(key: Array, parameters: Any) -> EpisodeSums:
         """Returns the sums over each episode, arrays `[E, ...]`."""
-        policy = with_memory(policy_of(parameters))
-        memory = memory_of(parameters) if memory_of else policy.starts(num_episodes)
-        return _play_to_end(env, policy, memory, key, num_episodes).sums
 
-    def evaluate_parameters(key: Array, parameters: Any) -> Evaluation:
-        """Plays the episodes with some parameters."""
-        sums = jax.device_get(play(key, parameters))
-        return Evaluation(
-            returns=sums.returns,
-            lengths=sums.length,
-            events=sums.events,
-            metric_means=sums.metric_means,
-            metric_finals=sums.metric_finals,
-            by_trial={} if sums.trials is None else sums.trials.figures(),
-        )
+        def is_running(carry: tuple[Array, _Episodes]) -> Array:
+            _, episodes = carry
+            return ~episodes.over.all()
+
+        def advance(carry: tuple[Array, _Episodes]) -> tuple[Array, _Episodes]:
+            return together.advance(parameters, carry, None)[0]
+
+        _, end = jax.lax.while_loop(is_running, advance, together.start(key, parameters))
+        return end.sums
+
+    return lambda key, parameters: _evaluation(play(key, parameters))
+
+
+def make_host_evaluator(
+    env: Environment,
+    policy_of: Callable[[Any], Policy],
+    num_episodes: int,
+    memory_of: Callable[[Any], Any] | None = None,
+) -> Callable[[Array, Any, Chooser], Evaluation]:
+    """Returns `make_evaluator` as a loop in Python, which asks a chooser before each step.
+
+    With a chooser that leaves all agents to the policy, it plays the same actions and states.
+    """
+    together = _Together(env, policy_of, num_episodes, memory_of)
+    start = jax.jit(together.start)
+    advance = jax.jit(together.advance)
+    allowed = jax.jit(together.allowed)
+
+    def evaluate_parameters(key: Array, parameters: Any, chooser: Chooser) -> Evaluation:
+        carry = start(key, parameters)
+        over = np.zeros(num_episodes, bool)
+        while not over.all():
+            _, episodes = carry
+            seen = np.asarray(episodes.observation)
+            chosen = chooser.choose(seen, np.asarray(allowed(episodes.state)), over)
+            carry, (reward, ended) = advance(parameters, carry, chosen)
+            over = np.asarray(carry[1].over)
+            chooser.learn(np.asarray(reward), np.asarray(ended), over)
+        return _evaluation(carry[1].sums)
 
     return evaluate_parameters
+
+
+def _evaluation(sums_on_device: EpisodeSums) -> Evaluation:
+    sums: Any = jax.device_get(sums_on_device)
+    return Evaluation(
+        returns=sums.returns,
+        lengths=sums.length,
+        events=sums.events,
+        metric_means=sums.metric_means,
+        metric_finals=sums.metric_finals,
+        by_trial={} if sums.trials is None else sums.trials.figures(),
+    )
 
 
 @flax.struct.dataclass
@@ -122,47 +176,73 @@ class _Episodes:
     over: Array  # [E] bool
 
 
-def _play_to_end(
-    env: Environment, policy: MemoryPolicy, memory: Any, key: Array, num_episodes: int
-) -> _Episodes:
-    """Steps all episodes until the last one is over; steps after an episode's end don't count."""
-    reset_key, loop_key = jax.random.split(key)
-    observation, state = jax.vmap(env.reset)(jax.random.split(reset_key, num_episodes))
-    start = _Episodes(
-        state=state,
-        observation=observation,
-        memory=memory,
-        sums=zero_sums(env, num_episodes),
-        over=jnp.zeros(num_episodes, bool),
-    )
+@dataclass(frozen=True)
+class _Together:
+    """Plays E episodes side by side; the fields are the arguments of `make_evaluator`."""
 
-    def play_step(
-        key: Array, state: Any, memory: Any, observation: Array
-    ) -> tuple[Any, tuple[Array, Any, Array, Array, dict[str, Any]]]:
-        """Plays one step of one episode; returns the policy's memory and what the step gave."""
-        action_key, env_key = jax.random.split(key)
-        memory, actions = take_actions(env, policy, memory, action_key, observation, state)
-        stepped = env.step_env(env_key, state, actions)
-        _, _, reward, _, info = stepped
-        return policy.after_step(memory, actions, reward, info), stepped
+    env: Environment
+    policy_of: Callable[[Any], Policy]
+    num_episodes: int
+    memory_of: Callable[[Any], Any] | None
 
-    def advance(carry: tuple[Array, _Episodes]) -> tuple[Array, _Episodes]:
-        """Plays one step of all episodes; those that are over stay as they are."""
+    def start(self, key: Array, parameters: Any) -> tuple[Array, _Episodes]:
+        """Returns the key of the steps and the episodes before the first one."""
+        policy = with_memory(self.policy_of(parameters))
+        memory = self.memory_of(parameters) if self.memory_of else policy.starts(self.num_episodes)
+        reset_key, loop_key = jax.random.split(key)
+        observation, state = jax.vmap(self.env.reset)(
+            jax.random.split(reset_key, self.num_episodes)
+        )
+        episodes = _Episodes(
+            state=state,
+            observation=observation,
+            memory=memory,
+            sums=zero_sums(self.env, self.num_episodes),
+            over=jnp.zeros(self.num_episodes, bool),
+        )
+        return loop_key, episodes
+
+    def allowed(self, state: Any) -> Array:
+        """Returns which actions each agent may take, `[E, N, A]` bool."""
+        if hasattr(self.env, "allowed_actions"):
+            return jax.vmap(cast(MaskedEnvironment, self.env).allowed_actions)(state)
+        return jnp.ones((self.num_episodes, self.env.num_agents, self.env.num_actions), bool)
+
+    def advance(
+        self, parameters: Any, carry: tuple[Array, _Episodes], chosen: Array | None
+    ) -> tuple[tuple[Array, _Episodes], tuple[Array, Array]]:
+        """Plays one step of all episodes; those that are over stay as they are.
+
+        Args:
+          chosen: `[E, N]` int32, actions that replace the policy's where they aren't negative.
+        Returns:
+          the key and the episodes afterwards, and of the step the rewards `[E, N]` and whether it
+          ended a trial, `[E]` bool.
+        """
+        policy = with_memory(self.policy_of(parameters))
+
+        def play_step(
+            key: Array, state: Any, memory: Any, observation: Array, chosen: Array | None
+        ) -> tuple[Any, tuple[Array, Any, Array, Array, dict[str, Any]]]:
+            """Plays one step of one episode; returns the policy's memory and what the step gave."""
+            action_key, env_key = jax.random.split(key)
+            memory, actions = take_actions(self.env, policy, memory, action_key, observation, state)
+            if chosen is not None:
+                actions = jnp.where(chosen >= 0, chosen, actions)
+            stepped = self.env.step_env(env_key, state, actions)
+            _, _, reward, _, info = stepped
+            return policy.after_step(memory, actions, reward, info), stepped
+
         key, before = carry
         key, step_key = jax.random.split(key)
-        keys = jax.random.split(step_key, num_episodes)
-        memory, stepped = jax.vmap(play_step)(keys, before.state, before.memory, before.observation)
+        keys = jax.random.split(step_key, self.num_episodes)
+        memory, stepped = jax.vmap(play_step)(
+            keys, before.state, before.memory, before.observation, chosen
+        )
         observation, state, reward, done, info = stepped
         sums = add_step(before.sums, reward, reward, info)
         after = _Episodes(state, observation, memory, sums, done)
-        return key, where_env(before.over, before, after)
-
-    def is_running(carry: tuple[Array, _Episodes]) -> Array:
-        _, episodes = carry
-        return ~episodes.over.all()
-
-    _, end = jax.lax.while_loop(is_running, advance, (loop_key, start))
-    return end
+        return (key, where_env(before.over, before, after)), (reward, trial_ended(info))
 
 
 def summarise(evaluation: Evaluation) -> dict[str, Estimate]:

@@ -14,6 +14,7 @@ import jax.numpy as jnp
 from jax import Array
 
 from sjdsl.compiler.lower import NotSupported
+from sjdsl.models import HostPolicy, ModelError, find_model, is_model_name
 from sjdsl.policies.compiled import scripted_policy
 from sjdsl.policies.declared import declared_policies
 from sjdsl.runtime.policy import (
@@ -70,6 +71,7 @@ def find_policy(
     Raises:
       PolicyError: there is no such policy, or it doesn't fit `env`.
     """
+    refuse_host(policy)
     if not isinstance(policy, str | Path):
         return policy
     name = str(policy)
@@ -92,6 +94,40 @@ def find_policy(
         _check_arguments(name, users)
         return users
     raise PolicyError(unknown_policy(name, tuple(declared)))
+
+
+def find_host(policy: Any) -> HostPolicy | None:
+    """Returns a policy that is asked in words: `FILE.toml:NAME[+ROLE]`, `FILE.py:NAME`, or one itself.
+
+    None for every other policy.
+
+    Raises:
+      PolicyError: its file is wrong.
+    """
+    if isinstance(policy, HostPolicy):
+        return policy
+    if not isinstance(policy, str | Path):
+        return None
+    name = str(policy)
+    try:
+        if is_model_name(name):
+            return find_model(name)
+        if is_own("policy", name) and not Path(name).exists():
+            users = find("policy", name)
+            return users if isinstance(users, HostPolicy) else None
+    except (ConfigError, ModelError) as error:
+        raise PolicyError(str(error)) from None
+    return None
+
+
+def refuse_host(policy: Any) -> None:
+    """Raises PolicyError for a policy that is asked in words."""
+    if find_host(policy) is not None:
+        raise PolicyError(
+            f"{policy} is asked in words, outside of compiled code, so it can't act in it, neither "
+            "as a partner in training nor in `evaluate` without --scenario; it can play in "
+            "crossplay, schelling, evaluate --scenario, play, record and render"
+        )
 
 
 def _compile_scripted(name: str, env: Environment) -> Policy:

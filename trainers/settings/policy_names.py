@@ -7,6 +7,7 @@ RUN                           the last policy of a run, by its folder; of severa
 RUN@best, RUN@120             its best, or that of an update
 FILE.safetensors              a stored policy, with its .json beside it
 FILE.py:NAME                  a user's function, also by a registered name
+FILE.toml:NAME                a language model, in a role with NAME+ROLE
 """
 
 from collections.abc import Sequence
@@ -21,7 +22,7 @@ UNTRAINED = ("random", "stay")  # they need no file: `sjdsl.runtime.policy.UNTRA
 LARGEST_DESCRIPTION = 2**20  # bytes of the .json beside a stored policy
 KNOWN = (
     "random, stay, a policy of the game's file, the folder RUN of a run, RUN@best, RUN@UPDATE, "
-    "RUN/seed_N, a .safetensors file, or FILE.py:FUNCTION"
+    "RUN/seed_N, a .safetensors file, FILE.py:FUNCTION, or models.toml:NAME"
 )
 
 

@@ -55,6 +55,7 @@ function seen({ answer, chooseAgent, count }) {
   const choice = element("select", { onchange: (event) => chooseAgent(Number(event.target.value)) });
   for (let agent = 0; agent < count; agent++) choice.append(new Option(`agent ${agent}`, agent, false, agent === answer.agent));
   const made = [element("label", {}, "The observation of ", choice, ", plane by plane. Its heading points up.")];
+  made.push(element("details", {}, element("summary", {}, "As a language model sees it"), element("pre", {}, answer.message)));
   for (const plane of answer.planes) {
     const rows = plane.values.map((row) => element("tr", {}, ...row.map((value) => element("td", { title: meaning(plane, value), class: value ? "" : "zero" }, String(value)))));
     made.push(element("h3", {}, plane.name), element("table", { class: "plane" }, element("tbody", {}, ...rows)));

@@ -1,0 +1,84 @@
+"""The options of commands in which language models may play, and what a dry run prints."""
+
+import functools
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from sjdsl.models import Limits
+from sjdsl.models.seats import PARALLEL
+
+if TYPE_CHECKING:
+    from sjdsl.experiments.playing import Experiment
+
+Command = Callable[..., Any]
+MANY_CALLS = 1000  # before which a forecast is printed
+
+
+@dataclass(frozen=True)
+class Asking:
+    """How models are asked. dry_run: they aren't, and what they would be asked is printed."""
+
+    limits: Limits
+    dry_run: bool = False
+
+
+def model_options(command: Command) -> Command:
+    """Adds the options of calls; the command gets them together as `asking`."""
+
+    @functools.wraps(command)
+    def with_asking(
+        *, parallel: int, budget: float | None, calls: int | None, dry_run: bool, **others: Any
+    ) -> Any:
+        """Calls the command with the options in one object."""
+        return command(asking=Asking(Limits(parallel, budget, calls), dry_run), **others)
+
+    parallel_option = click.option(
+        "--parallel",
+        type=click.IntRange(min=1),
+        metavar="N",
+        default=PARALLEL,
+        show_default=True,
+        help="Language models: the most calls at once.",
+    )
+    budget_option = click.option(
+        "--budget",
+        type=click.FloatRange(min=0),
+        metavar="DOLLARS",
+        help="Language models: stop before more is spent, earlier runs of the folder included.",
+    )
+    calls_option = click.option(
+        "--calls",
+        type=click.IntRange(min=0),
+        metavar="N",
+        help="Language models: stop before there are more calls, earlier runs included.",
+    )
+    dry_run_option = click.option(
+        "--dry-run", is_flag=True, help="Language models: print what they would cost; ask none."
+    )
+    return parallel_option(budget_option(calls_option(dry_run_option(with_asking))))
+
+
+def show_forecast(experiment: "Experiment", asking: Asking) -> None:
+    """Prints what the models of an experiment are asked, if it is much; a dry run ends then.
+
+    Raises UsageError for options about models in an experiment without one.
+    """
+    limits = asking.limits
+    if not experiment.hosts:
+        if asking.dry_run or limits.budget is not None or limits.calls is not None:
+            raise click.UsageError(
+                "--budget, --calls and --dry-run are for language models, and none plays"
+            )
+        return
+    from sjdsl.experiments.usage import forecasts
+
+    of_models = forecasts(experiment)
+    calls = sum(forecast.calls for forecast in of_models.values())
+    if asking.dry_run or calls > MANY_CALLS:
+        for name, forecast in of_models.items():
+            click.echo(f"{name}: {forecast.text()}", err=not asking.dry_run)
+    if asking.dry_run:
+        raise click.exceptions.Exit(0)

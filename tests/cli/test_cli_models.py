@@ -1,0 +1,180 @@
+"""Commands with language models, on a server of this machine, with a key that stays secret."""
+
+import io
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from command_line import Sjdsl
+
+from sjdsl.replay import load_recording
+from tests.models.server import Server, serving
+
+MATRIX = Path(__file__).parents[1] / "experiments/games/matrix_game.sj"
+KEY = "sk-another-secret"
+ROLES = ("--cooperators", "models.toml:luna+cooperator", "--defectors", "models.toml:luna+defector")
+SCHELLING = ("schelling", str(MATRIX), *ROLES, "--episodes", "2", "-o", "out")
+
+
+def by_role(body: dict[str, Any]) -> str:
+    """Cooperators stay and defectors betray, as their text says who they are."""
+    system = body["messages"][0]["content"]
+    is_selfish = "not what others get" in system or "whatever it costs others" in system
+    action = "betray" if is_selfish else "stay"
+    return json.dumps({"why": "my part", "goal": "", "note": {"op": "none"}, "action": action})
+
+
+@pytest.fixture
+def server(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Server]:
+    """A server of the model `luna`, whose file is in the working folder."""
+    monkeypatch.setenv("LUNA_KEY", KEY)
+    with serving(Server(by_role)) as running:
+        write_models(folder, running)
+        yield running
+
+
+def write_models(folder: Path, server: Server) -> None:
+    (folder / "models.toml").write_text(
+        f'[luna]\nurl = "{server.url}"\nmodel = "m"\nkey = "LUNA_KEY"\nretries = 1\n'
+        "price = { input = 1, cached = 0.1, output = 10 }\n"
+    )
+
+
+def test_a_schelling_diagram_of_models(folder: Path, sjdsl: Sjdsl, server: Server) -> None:
+    """Its payoffs are those of the matrix; the key is in no file and on no screen."""
+    shown = sjdsl(*SCHELLING)
+    assert shown.status == 0, shown.text
+    assert "verdict: dilemma, fear and greed" in shown.text
+    assert "models.toml:luna+cooperator" in shown.text
+    assert "luna+defector: 24 calls" in shown.text
+    report = json.loads((folder / "out/schelling.json").read_text())
+    assert report["C"]["mean"] == [0, 12]
+    assert report["D"]["mean"] == [4, 20]
+    # 48 calls of 100 tokens, 60 of them cached, and 10 answered.
+    dollars = sum(used["dollars"] for used in report["models"].values())
+    assert dollars == pytest.approx(48 * (40 * 1 + 60 * 0.1 + 10 * 10) / 10**6)
+    for path in (folder / "out").rglob("*"):
+        assert not path.is_file() or KEY not in path.read_text(errors="replace")
+    assert KEY not in shown.text
+    assert set(server.keys) == {KEY}
+    asked = len(server.requests)
+    assert sjdsl(*SCHELLING).status == 0
+    assert len(server.requests) == asked  # all is recorded
+
+
+def test_a_dry_run_asks_nobody(folder: Path, sjdsl: Sjdsl, server: Server) -> None:
+    shown = sjdsl(*SCHELLING, "--dry-run")
+    assert shown.status == 0
+    assert "models.toml:luna+cooperator: at most 24 calls of about " in shown.out
+    assert server.requests == []
+    assert not (folder / "out").exists()
+    refused = sjdsl("crossplay", str(MATRIX), "--slots", "stay,stay", "--dry-run")
+    assert "--dry-run are for language models, and none plays" in refused.text
+
+
+def test_it_stops_and_goes_on(sjdsl: Sjdsl, server: Server) -> None:
+    stopped = sjdsl(*SCHELLING, "--calls", "7")
+    assert stopped.status == 3
+    assert "the same command with a larger --calls goes on" in stopped.text
+    assert len(server.requests) == 7
+    server.faults = [401]
+    refused = sjdsl(*SCHELLING)
+    assert refused.status == 1
+    assert "m at http://127.0.0.1" in refused.text
+    assert "refuses the request with 401" in refused.text
+    assert KEY not in refused.text
+    assert len(server.requests) == 8
+    assert sjdsl(*SCHELLING).status == 0
+    assert len(server.requests) == 49
+
+
+@pytest.mark.thorough
+def test_it_survives_being_killed(folder: Path, server: Server) -> None:
+    """kill -9 at any time; then it goes on, and ends as if it had never been killed."""
+    server.reply = lambda body: time.sleep(0.05) or by_role(body)
+    command = [sys.executable, "-m", "sjdsl", *SCHELLING, "--parallel", "2"]
+    kills = 0
+    while kills < 20:
+        asked = len(server.requests)
+        process = subprocess.Popen(command, cwd=folder, stderr=subprocess.PIPE)
+        while process.poll() is None and len(server.requests) < asked + 2:
+            time.sleep(0.01)
+        if process.poll() is not None:
+            break
+        process.kill()
+        process.wait()
+        kills += 1
+    subprocess.run(command, cwd=folder, check=True)
+    assert kills > 10
+    report = json.loads((folder / "out/schelling.json").read_text())
+    assert report["C"]["mean"] == [0, 12]
+    assert sum(used["calls"] for used in report["models"].values()) == 48
+
+
+def test_wrong_names_are_refused_at_once(sjdsl: Sjdsl, server: Server) -> None:
+    for name, problem in (
+        ("models.toml:lune", "models.toml has no model `lune`; did you mean `luna`?"),
+        ("absent.toml:luna", "absent.toml can't be read: No such file"),
+        ("models.toml:luna+saint", "there is no role `saint`"),
+    ):
+        assert problem in sjdsl("crossplay", str(MATRIX), "--slots", f"{name},stay").text
+        assert problem in sjdsl("record", str(MATRIX), "--policy", name).text
+    evaluated = sjdsl("evaluate", "models.toml:luna", "--game", str(MATRIX))
+    assert "is asked in words, outside of compiled code" in evaluated.text
+    trained = sjdsl("train", str(MATRIX), "--set", "partners=1=models.toml:luna")
+    assert "neither as a partner in training" in trained.text
+    assert server.requests == []
+
+
+def test_a_person_plays_among_models(
+    folder: Path, sjdsl: Sjdsl, server: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The person's agent isn't asked; who sat where is recorded, and the episode can be replayed."""
+    monkeypatch.setattr("sys.stdin", io.StringIO("betray\n" * 4))
+    slots = ("--slots", "models.toml:luna+cooperator,you")
+    shown = sjdsl("play", str(MATRIX), *slots, "--record", "played.json")
+    assert shown.status == 0, shown.text
+    assert "you play agent 1" in shown.out
+    assert "0 models.toml:luna+cooperator" in shown.out
+    assert "1 you" in shown.out
+    assert len(server.requests) == 4
+    recording = load_recording(folder / "played.json", 0)
+    assert recording.returns == [0, 20]
+    assert recording.players == ["models.toml:luna+cooperator", "you"]
+    replayed = sjdsl("replay", "played.json")
+    assert replayed.status == 0
+    assert "0 models.toml:luna+cooperator" in replayed.out
+
+    monkeypatch.setattr("sys.stdin", io.StringIO("stay\n"))
+    shown = sjdsl("play", str(MATRIX), "--others", "models.toml:luna+defector", "--steps", "1")
+    assert shown.status == 0, shown.text
+    assert len(server.requests) == 5
+    assert "1 models.toml:luna+defector" in shown.out
+    for slots_text, problem in (
+        ("you", "has 2 agents, but --slots names 1"),
+        ("you,you", "`you` can play one agent"),
+    ):
+        assert problem in sjdsl("play", str(MATRIX), "--slots", slots_text).text
+    refused = sjdsl("play", str(MATRIX), "--slots", "you,stay", "--agent", "0")
+    assert "without --agent and --others" in refused.text
+
+
+def test_models_are_recorded_and_drawn(folder: Path, sjdsl: Sjdsl, server: Server) -> None:
+    names = ("--policy", "models.toml:luna+defector")
+    record = ("record", str(MATRIX), *names, "--episodes", "3", "-o", "played.npz")
+    stopped = sjdsl(*record, "--calls", "10")
+    assert stopped.status == 3
+    assert not (folder / "played.npz").exists()
+    assert sjdsl(*record).status == 0
+    assert len(server.requests) == 24
+    recording = load_recording(folder / "played.npz", 2)
+    assert recording.actions == [[1, 1]] * 4
+    assert sjdsl("replay", "played.npz", "--episode", "1").status == 0
+    drawn = sjdsl("render", str(MATRIX), *names, "--steps", "3", "-o", "film.html")
+    assert drawn.status == 0, drawn.text
+    assert len(server.requests) == 30
