@@ -325,7 +325,8 @@ def _read(path: Path) -> dict[tuple[int, Kind], Talk]:
         talks[talk.step, talk.kind] = talk
         size += len(line)
     if size < path.stat().st_size:
-        os.truncate(path, size)
+        with naming(path), open_in_place(path, "r+") as file:
+            file.truncate(size)
     return talks
 
 

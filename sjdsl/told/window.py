@@ -2,16 +2,22 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower.cell_appearance import OTHER_FACING
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.told.codes import HEADING_UNSEEN, ME, OTHERS, UNSEEN, content_codes
 
-Planes = NDArray[np.uint8]
+if TYPE_CHECKING:  # the playground's NumPy has no `typing`
+    from numpy.typing import NDArray
+
+    Planes = NDArray[np.uint8]
+else:
+    Planes = np.ndarray
 Place = tuple[int, int]  # row and column in the window
 SELF = 1  # in the plane `agent`
 FACING = ("as you do", "to your right", "toward you", "to your left")
@@ -58,8 +64,8 @@ class Window:
 
     def own_place(self, seen: Planes) -> Place | None:
         """Returns where in its window the agent is; None if it is away."""
-        places = np.argwhere(seen[1] == SELF)
-        return (int(places[0][0]), int(places[0][1])) if len(places) else None
+        places = _places(seen[1] == SELF)
+        return places[0] if places else None
 
     def content(self, seen: Planes, place: Place) -> str | None:
         """Returns the label of a cell's content; None beyond the window."""
@@ -127,7 +133,7 @@ class Window:
 
     def _legend(self, seen: Planes) -> list[str]:
         """Returns the codes that are in the window, in the order of the game's labels."""
-        shown = {self._cell(seen, place) for place in np.ndindex(seen.shape[1:])}
+        shown = {self._cell(seen, place) for place in product(*map(range, seen.shape[1:]))}
         legend = [f"{code} {label}" for label, code in self.codes.items() if code in shown]
         if shown & set(OTHERS):
             legend.append("A^ A> Av A< other agents")
@@ -160,7 +166,7 @@ class Window:
 
     def _movers(self, seen: Planes) -> list[str]:
         lines = []
-        for place in np.ndindex(seen.shape[1:]):
+        for place in product(*map(range, seen.shape[1:])):
             name = self.mover(seen, place)
             if name is not None:
                 lines.append(self._said(name, place, self._fields(f"{name}.", seen, place)))
@@ -184,7 +190,7 @@ class Window:
         number = self._numbers["marks"]
         marked = []
         for bit, label in enumerate(self.planes[number].labels):
-            places = _places(seen[number] >> bit & 1)
+            places = _places(seen[number] & (1 << bit))
             if places:
                 marked.append(f"{label} at {', '.join(map(self._place, places))}")
         return [f"Marks of the last step: {'; '.join(marked)}."] if marked else []
@@ -208,5 +214,6 @@ def _value(plane: TokenPlane, value: int) -> str:
     return plane.labels[value] if plane.encoding == "word" else str(value)
 
 
-def _places(mask: NDArray[np.bool_] | NDArray[np.uint8]) -> list[Place]:
-    return [(int(row), int(col)) for row, col in np.argwhere(mask)]
+def _places(mask: "NDArray[np.bool_] | NDArray[np.uint8]") -> list[Place]:
+    rows, cols = np.nonzero(mask)
+    return [(int(row), int(col)) for row, col in zip(rows, cols, strict=True)]

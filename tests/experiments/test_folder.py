@@ -28,7 +28,7 @@ def played(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, ...]]:
     done: list[tuple[str, ...]] = []
 
     def table(*_: Any) -> Any:
-        def play(_: Any, lineup: Any, order: np.ndarray) -> Evaluation:
+        def play(_: Any, lineup: Any, order: np.ndarray, *_asking: Any) -> Evaluation:
             done.append(tuple(player.name for player in lineup))
             returns = np.arange(order.size, dtype=np.float32).reshape(order.shape) + len(
                 set(lineup)

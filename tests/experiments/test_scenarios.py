@@ -35,7 +35,7 @@ def played(tmp_path_factory: pytest.TempPathFactory) -> tuple[ScenarioScores, Pa
     """Those who give, in a scenario; then, in the same folder, in all that four agents fill."""
     folder = tmp_path_factory.mktemp("scenarios")
     said: list[str] = []
-    first = play_scenarios(visitors(), "giver", "visitor", EPISODES, SEED, folder, said.append)
+    first = play_scenarios(visitors(), "giver", "visitor", EPISODES, SEED, folder, tell=said.append)
     assert said == [
         f"playing {EPISODES} episodes of line-up {number} of 4" for number in (1, 2, 3, 4)
     ], "giver, random, keeper, stay"

@@ -273,7 +273,7 @@ def test_a_preset_with_stages(tmp_path: Path) -> None:
         (one.config.total_timesteps, one.config.reward, one.config.gamma) for one in (first, preset)
     ] == [
         (64_000, "svo", 0.9),
-        (1_000_000, "common", 0.99),
+        (1_000_000, "common", 0.995),
     ]
     assert [one.config.init_from for one in (first, preset)] == [str(tmp_path), ""]
     arena = load_preset(tmp_path / "mine.toml", game="pd_arena")

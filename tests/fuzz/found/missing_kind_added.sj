@@ -3,7 +3,7 @@ sj 1
 game found {
   episode 20
   kind tree  "." { field fruit by { low, high } : 0 .. 3 capped = 1 }
-  kind grass "#" { field fruit by { low, high } : 0 .. 3 = 1 }
+  kind grass "#" { field fruit by { low, high } : 0 .. 3 capped = 1 }
   group ground = tree, grass
   map { "..." }
   agents 2 { acts forward, turn_left, stay }
