@@ -1,5 +1,6 @@
 """What one agent sees, as text, from its own token planes."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -133,7 +134,7 @@ class Window:
 
     def _legend(self, seen: Planes) -> list[str]:
         """Returns the codes that are in the window, in the order of the game's labels."""
-        shown = {self._cell(seen, place) for place in product(*map(range, seen.shape[1:]))}
+        shown = {self._cell(seen, place) for place in _all_places(seen)}
         legend = [f"{code} {label}" for label, code in self.codes.items() if code in shown]
         if shown & set(OTHERS):
             legend.append("A^ A> Av A< other agents")
@@ -166,7 +167,7 @@ class Window:
 
     def _movers(self, seen: Planes) -> list[str]:
         lines = []
-        for place in product(*map(range, seen.shape[1:])):
+        for place in _all_places(seen):
             name = self.mover(seen, place)
             if name is not None:
                 lines.append(self._said(name, place, self._fields(f"{name}.", seen, place)))
@@ -212,6 +213,11 @@ def _row_name(ahead: int) -> str:
 
 def _value(plane: TokenPlane, value: int) -> str:
     return plane.labels[value] if plane.encoding == "word" else str(value)
+
+
+def _all_places(seen: Planes) -> Iterator[Place]:
+    _, rows, cols = seen.shape
+    return product(range(rows), range(cols))
 
 
 def _places(mask: "NDArray[np.bool_] | NDArray[np.uint8]") -> list[Place]:
