@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
-# Tested in tests/trainers (a reward has no `main`) and in test_sweep_clusters.py.
-ELSEWHERE = ("giver_credit", "ppo_single_file", "sweep_ray", "sweep_slurm")
+# Tested in tests/trainers and tests/models (a reward and a policy have no `main`), and in
+# test_sweep_clusters.py.
+ELSEWHERE = ("giver_credit", "ppo_single_file", "sweep_ray", "sweep_slurm", "text_player")
 EXAMPLES = sorted(
     path
     for path in (Path(__file__).parents[2] / "examples").glob("*.py")
