@@ -15,12 +15,11 @@ def draw_preferences(
 ) -> Array:
     """Returns what is added to the logits of all agents in each environment: `[B, A]` float32.
 
-    It stays the same for a whole rollout, so that the agents of an environment do something
-    together that agents who each draw their own actions hardly ever do, such as cleaning a river.
-    Policies learn to act well with such preferences, which disappear halfway through the run.
-    Noise that lasts for many steps explores more than noise of single steps does: Plappert et al.
-    2018, "Parameter space noise for exploration"; theirs is in all parameters, and not learnt from
-    on-policy.
+    It stays the same for a whole rollout, so that the agents of an environment do things together
+    that agents who each draw their own actions hardly ever do, such as cleaning a river. The
+    policy is trained with the preferences added, and they fall to zero halfway through the run.
+    The idea that noise should last for many steps is that of Plappert et al. 2018, "Parameter
+    space noise for exploration", who add it to all parameters of the policy.
 
     Args:
       key: consumed.
