@@ -7,7 +7,7 @@ from jax import Array
 from ..devices.data_parallel import own_keys
 from ..settings.config import PPOConfig
 
-DURATION = 0.5  # of a run, after which there are none
+DURATION = 0.2  # of a run, after which there are none; with 0.5, policies came to rely on them
 
 
 def draw_preferences(
@@ -17,7 +17,8 @@ def draw_preferences(
 
     It stays the same for a whole rollout, so that the agents of an environment do things together
     that agents who each draw their own actions hardly ever do, such as cleaning a river. The
-    policy is trained with the preferences added, and they fall to zero halfway through the run.
+    policy is trained with the preferences added, and they fall to zero in the first fifth of the
+    run.
     The idea that noise should last for many steps is that of Plappert et al. 2018, "Parameter
     space noise for exploration", who add it to all parameters of the policy.
 

@@ -413,7 +413,7 @@ class PPOConfig(Config):
     entropy_coefficient: NonNegativeFloat = 0.01
     value_coefficient: NonNegativeFloat = 0.5
     # the deviation of random preferences that agents of one environment share during a rollout, at
-    # the start of a run; it falls to 0 halfway through
+    # the start of a run; it falls to 0 in its first fifth
     preference_noise: NonNegativeFloat = 0.0
 
     # actor and critic have a hidden layer in common after the torso, instead of one each
