@@ -158,7 +158,7 @@ def mean_episode(total: FinishedEpisodes) -> dict[str, Any]:
     Missing values are zeros, so that no program returns NaN: see `without_value`.
     """
     number = jnp.maximum(total["episodes"], 1)
-    mean = jax.tree.map(lambda leaf: leaf / number, total)
+    mean: dict[str, Any] = jax.tree.map(lambda leaf: leaf / number, total)
     counts = {name: total[name] for name in ("episodes", "equalities")}
     return mean | counts | {"collective_return": collective_return(mean["agent_return"])}
 

@@ -153,7 +153,8 @@ def make_host_evaluator(
     def allowed_in(state: Any) -> Array:
         """Returns which actions each agent may take, `[E, N, A]` bool."""
         if hasattr(env, "allowed_actions"):
-            return jax.vmap(env.allowed_actions)(state)
+            allowed: Array = jax.vmap(env.allowed_actions)(state)
+            return allowed
         return jnp.ones((num_episodes, env.num_agents, env.num_actions), bool)
 
     def evaluate_parameters(key: Array, parameters: Any, chooser: Chooser) -> Evaluation:

@@ -347,20 +347,20 @@ def read_parameters(path: Path, env: Environment) -> tuple[Any, Described]:
     """
     parameters, described = read_policy(path, lambda config: parameter_shapes(env, config))
     game = described.game
-    form = f"{game.name} {game.hash}"
+    form = f"{game['name']} {game['hash']}"
     env_form = f"{env.name} {env.hash}"
-    if game.hash != env.hash:
+    if game["hash"] != env.hash:
         warnings.warn(
             f"{path} was trained on another form of the game: {form}, not {env_form}", stacklevel=2
         )
     if parameters is not None:
         return parameters, described
-    num_actions = len(game.action_names)
-    shape = game.observation_shape
+    num_actions = len(game["action_names"])
+    shape = game["observation_shape"]
     env_shape = list(reset_shapes(env)[0].shape)
     if num_actions != env.num_actions or shape != env_shape:
         reason = (
-            f"{game.name} with {num_actions} actions and observations {shape}; "
+            f"{game['name']} with {num_actions} actions and observations {shape}; "
             f"here are {env.num_actions} actions and observations {env_shape}"
         )
     else:

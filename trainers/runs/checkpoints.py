@@ -133,5 +133,6 @@ def _place_like(array: np.ndarray, like: Array) -> Array:
     """Returns an array on the devices, and in the parts, of `like`; random keys from their words."""
     if _is_key(like):
         words = _place_like(array, jax.random.key_data(like))
-        return jax.random.wrap_key_data(words, impl=jax.random.key_impl(like))
+        key: Array = jax.random.wrap_key_data(words, impl=jax.random.key_impl(like))
+        return key
     return jax.make_array_from_callback(array.shape, like.sharding, lambda index: array[index])
