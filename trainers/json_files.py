@@ -1,13 +1,12 @@
 """Writes results as JSON."""
 
 import json
-import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import jax
 import numpy as np
+from pydantic_core import to_jsonable_python
 
 from sjdsl.files import write_whole
 
@@ -24,14 +23,6 @@ def json_text(content: Mapping[str, Any]) -> str:
 
 def plain(value: Any) -> Any:
     """Returns a JSON value: arrays as lists, and what isn't finite as None."""
-    match value:
-        case Mapping():
-            return {key: plain(entry) for key, entry in value.items()}
-        case list() | tuple():
-            return [plain(entry) for entry in value]
-        case np.ndarray() | np.generic() | jax.Array():
-            return plain(np.asarray(value).tolist())
-        case float():
-            return value if math.isfinite(value) else None
-        case _:
-            return value
+    return to_jsonable_python(
+        value, fallback=lambda array: np.asarray(array).tolist(), inf_nan_mode="null"
+    )

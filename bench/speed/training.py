@@ -21,7 +21,7 @@ from sjdsl.trainers.algorithms.rollout import Actor, Worlds, collect_rollout
 from sjdsl.trainers.algorithms.shaping import make_shaping
 from sjdsl.trainers.networks.action_values import make_action_values
 from sjdsl.trainers.networks.actor_critics import make_actor_critics, packing_of
-from sjdsl.trainers.networks.masks import allowed_in, pack_mask, wants_masks
+from sjdsl.trainers.networks.masks import allowed_in, wants_masks
 from sjdsl.trainers.runs.compiled import NoMemoryError, compile_train
 from sjdsl.trainers.settings.config import Config, ConfigError, PPOConfig, VDNConfig, make_config
 
@@ -287,7 +287,7 @@ def idle_rollout(env: Environment, config: Config) -> Callable[[Worlds, Array], 
         del memory
         if isinstance(config, PPOConfig):
             return jnp.zeros(shape)
-        mask = pack_mask(allowed_in(env, masks, info.get("terminal_state")))
+        mask = allowed_in(env, masks, info.get("terminal_state"))
         return packing.pack(info["terminal_observation"]), mask
 
     actor = Actor(act, packing.pack, follow)

@@ -22,7 +22,11 @@ from sjdsl.cli.stages import LOADING, stages
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.extras import MissingExtra, is_installed
 from sjdsl.trainers import Preset, load_preset, make_config
+from sjdsl.trainers.runs.learning_curve import LEARNING_CURVE
+from sjdsl.trainers.runs.loggers import check_loggers
 from sjdsl.trainers.runs.manifest import read_manifest
+from sjdsl.trainers.runs.metrics_files import METRICS_JSONL, read_rows
+from sjdsl.trainers.runs.progress import rate
 from sjdsl.trainers.runs.run_lock import is_unused
 from sjdsl.trainers.runs.seeds_in_words import seeds_in_words, seeds_of_each
 from sjdsl.trainers.runs.stages import stage_folders
@@ -136,7 +140,6 @@ def command(
         click.echo(prefix + extent_of(stage.config), err=True)
     with stages(LOADING):
         from sjdsl.trainers import Stage, check_stages, train
-        from sjdsl.trainers.runs.loggers import check_loggers
 
         check_loggers(run.loggers)
         provenances = [options_of_stage.describe(game) for options_of_stage in stage_options]
@@ -206,7 +209,6 @@ def _resume(
     manifest = read_manifest(path)
     asked = manifest.get("asked", {})
     from sjdsl.trainers import resume
-    from sjdsl.trainers.runs.loggers import check_loggers
 
     check_loggers(manifest.get("loggers", ()) if loggers is None else loggers)
     if episodes is None:
@@ -265,10 +267,6 @@ def find_callback(name: str | None) -> tuple[Any, dict[str, str]]:
 def _finish(result: "Result", env: "Environment", config: "Config", episodes: int) -> None:
     """Evaluates each seed's policy, and prints the time and memory of the run."""
     import jax
-
-    from sjdsl.trainers.runs.learning_curve import LEARNING_CURVE
-    from sjdsl.trainers.runs.metrics_files import METRICS_JSONL, read_rows
-    from sjdsl.trainers.runs.progress import rate
 
     if jax.process_index() != 0:
         return

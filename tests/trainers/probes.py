@@ -404,5 +404,5 @@ def judge_actions(
     """Returns the value `[N, A]` of each action that a trained network of value decomposition gives."""
     config = quick(algorithm="vdn", **changes)
     assert isinstance(config, VDNConfig)
-    learner = state.learner if config.replay == "none" else state.learner.online
+    learner = state.learner.online
     return make_action_values(env, config).apply(learner.params, windows(env, shown))

@@ -85,8 +85,8 @@ def test_agents_stand_beside_the_return_of_all() -> None:
     panels = curve_panels(rows)
     assert [panel.title for panel in panels] == [
         "all agents together",
-        "agents 0 to 3",
-        "agents 4 to 6",
+        "agent 0 to agent 3",
+        "agent 4 to agent 6",
     ]
     assert panels[0].lines[0].steps.tolist() == [20], "where an episode has ended"
     assert [

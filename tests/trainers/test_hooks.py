@@ -149,7 +149,8 @@ def test_a_callback_is_told_after_each_update(brought: tuple[Path, list[Update]]
 
 def test_the_value_of_a_team_is_that_of_those_who_learn() -> None:
     """By hand: Q is 1 for every action before, 2 after; one of two agents learns, so y = 3 + 0.5 * 2 and the error 3."""
-    from sjdsl.trainers.algorithms.vdn import Transition, vdn_loss
+    from sjdsl.trainers.algorithms.vdn_targets import Team, Transition, bootstrapped, team_loss
+    from sjdsl.trainers.networks.teams import learning_agents
 
     class Network:
         @staticmethod
@@ -161,7 +162,9 @@ def test_the_value_of_a_team_is_that_of_those_who_learn() -> None:
         seen, jnp.zeros((4, 2), jnp.int32), jnp.full(4, 3.0), seen + 1.0, jnp.zeros(4, bool)
     )
     config = quick(algorithm="vdn", partners={1: "random"}, gamma=0.5)
-    loss, parts = vdn_loss(1.0, 1.0, Network, batch, config)  # type: ignore[arg-type]
+    team = Team(Network, jnp.asarray(learning_agents(2, config)))  # type: ignore[arg-type]
+    steps = bootstrapped(1.0, 1.0, batch, team, config)  # type: ignore[arg-type]
+    loss, parts = team_loss(1.0, team, steps, weight=1.0)
     assert (float(loss), float(parts["team_value"])) == (9.0, 1.0)
 
 
@@ -205,11 +208,13 @@ def test_a_partners_memory_begins_anew_with_each_episode() -> None:
 
 
 def test_a_reward_must_be_one_for_each_agent() -> None:
+    program = make_train(matching(), make_config(SMALL, reward=lambda step: step.reward.sum()))
+    state = jax.eval_shape(program.init, jax.random.key(0))
     with pytest.raises(
         ConfigError,
         match=r"must give a number for each of the 2 agents, an array of shape \(2,\), not \(\)",
     ):
-        make_train(matching(), make_config(SMALL, reward=lambda step: step.reward.sum()))
+        jax.eval_shape(program.collect, state)
 
 
 def test_a_network_must_make_features() -> None:
@@ -323,7 +328,7 @@ def test_a_run_starts_from_a_policy_and_keeps_a_copy(
     assert "deviation" not in plain.parameters(plain.init(jax.random.key(3)))["params"]["critic"], (
         "the critic's scale is folded into its last layer"
     )
-    with pytest.raises(ConfigError, match="`init_from` must be the folder of a run"):
+    with pytest.raises(PolicyError, match="random is not the folder of a training run"):
         make_train(matching(), make_config(alike | {"init_from": "random"}))
 
     run_dir = tmp_path / "run"

@@ -17,8 +17,8 @@ import sjdsl
 from sjdsl.trainers import PPOConfig, TrainState, VDNConfig, make_train
 from sjdsl.trainers.algorithms.losses import Batch
 from sjdsl.trainers.algorithms.ppo import ppo_loss
-from sjdsl.trainers.algorithms.vdn import Transition, vdn_loss
-from sjdsl.trainers.networks.masks import draw_any, masked, pack_mask, unpack_mask, wants_masks
+from sjdsl.trainers.algorithms.vdn_targets import Team, Transition, bootstrapped, team_loss
+from sjdsl.trainers.networks.masks import draw_any, masked, wants_masks
 
 VDN = {"algorithm": "vdn"}
 ALLOWED = jnp.array([[True, False, True], [False, False, True]])
@@ -84,17 +84,10 @@ def test_the_best_that_follows_is_one_of_those_allowed(double_q: bool, best: flo
     batch = Transition(
         None, taken, jnp.array([1.0]), None, jnp.array([False]), allowed=ALLOWED[None]
     )
-    loss, _ = vdn_loss(online, target, network, batch, VDNConfig(gamma=0.5, double_q=double_q))  # type: ignore[arg-type]
+    team = Team(network, jnp.arange(2))  # type: ignore[arg-type]
+    steps = bootstrapped(online, target, batch, team, VDNConfig(gamma=0.5, double_q=double_q))
+    loss, _ = team_loss(online, team, steps, weight=1.0)
     assert float(loss) == pytest.approx((13.0 - (1.0 + 0.5 * best)) ** 2)
-
-
-@pytest.mark.parametrize("number", [1, 7, 8, 9, 17])
-def test_masks_are_kept_as_bits(number: int) -> None:
-    allowed = jax.random.bernoulli(jax.random.key(number), 0.5, (5, 2, number))
-    packed = pack_mask(allowed)
-    assert packed is not None
-    assert packed.shape == (5, 2, -(-number // 8))
-    np.testing.assert_array_equal(unpack_mask(packed, number), allowed)
 
 
 def test_exploring_draws_evenly_from_what_is_allowed() -> None:

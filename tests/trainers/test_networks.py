@@ -13,7 +13,7 @@ from probes import FAST_TO_COMPILE
 
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.trainers import PPOConfig
-from sjdsl.trainers.networks.architectures import ActionValues, ActorCritic, Layers
+from sjdsl.trainers.networks.architectures import ActionValues, ActorCritic
 from sjdsl.trainers.networks.convolution import convolve
 from sjdsl.trainers.networks.initialisation import orthogonal, orthonormal_columns
 
@@ -26,8 +26,8 @@ ENVS, AGENTS, SIDE = 5, 2, 5
 FRESH = jnp.zeros((1, ENVS), bool)
 
 
-def layers(network: str, width: int, **settings: Any) -> Layers:
-    return Layers.of(PPOConfig(network=network, network_width=width, **settings))
+def layers(network: str, width: int, **settings: Any) -> PPOConfig:
+    return PPOConfig(network=network, network_width=width, **settings)
 
 
 def _observations(key: jax.Array) -> jax.Array:
@@ -78,7 +78,7 @@ def test_shapes_and_initial_scale(kind: str) -> None:
 
 
 def test_actor_and_critic_can_have_their_hidden_layer_in_common() -> None:
-    network = ActorCritic(7, AGENTS, PLANES, None, layers("mlp", 16), share_hidden=True)
+    network = ActorCritic(7, AGENTS, PLANES, None, layers("mlp", 16, share_hidden=True))
     observation_key, network_key = jax.random.split(jax.random.key(0))
     observation = _observations(observation_key)
     parameters = network.init(network_key, (), observation, None, FRESH)["params"]
@@ -164,7 +164,7 @@ def test_steps_read_one_by_one_or_together_are_the_same_and_memory_ends_with_an_
 ) -> None:
     """Two pasts that differ in their first step are told apart until an episode begins, at step 3."""
     joint_planes = PLANES[:1] if central else None
-    network = ActorCritic(3, AGENTS, PLANES[:1], joint_planes, layers("mlp", 8), recurrent=True)
+    network = ActorCritic(3, AGENTS, PLANES[:1], joint_planes, layers("mlp", 8, memory="gru"))
     start = network.start_memory(ENVS)
     fresh = jnp.zeros((LENGTH, ENVS), bool).at[3].set(True)
 

@@ -1,6 +1,8 @@
 """The mechanics of one update: gradient steps, keys, losses, and what a rollout stores."""
 
 from collections.abc import Sequence
+from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import jax
@@ -328,14 +330,17 @@ def test_every_epoch_sees_every_sample_once() -> None:
     learner = Learner.create(
         apply_fn=None, params={"values": jnp.zeros(samples)}, tx=optax.sgd(0.1 * minibatch)
     )
+    networks = make_actor_critics(matching(1), config)
+    network = SimpleNamespace(apply=read, num_actions=2)
+    networks = replace(networks, network=network)  # type: ignore[arg-type]
     orders = draw_orders(jax.random.key(0), 1, config)
     learner, _ = take_epochs(
         learner,
-        batch,
         orders[0],
         np.array([0]),
-        read,
-        make_actor_critics(matching(1), config),
+        batch.memory,
+        batch,
+        networks,
         config,
     )
     np.testing.assert_allclose(learner.params["values"], np.full(samples, 1 - 0.9**3), rtol=1e-5)

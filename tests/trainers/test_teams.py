@@ -1,6 +1,7 @@
 """Which agents share a network, and that sharing changes nothing else."""
 
 import dataclasses
+from functools import partial
 from typing import Any
 
 import jax
@@ -91,10 +92,12 @@ def _alone(sharing: str) -> tuple[Probe, dict[str, Any]]:
 
 
 def test_one_agent_is_one_network_however_it_is_shared() -> None:
-    shared, apart = (
-        make_actor_critics(env, quick(**changes))
-        for env, changes in map(_alone, ("shared", "per_agent"))
-    )
+    shapes = []
+    for env, changes in map(_alone, ("shared", "per_agent")):
+        networks = make_actor_critics(env, quick(**changes))
+        assert networks.teams.tolist() == [[0]]
+        shapes.append(jax.eval_shape(partial(networks.init, env=env), jax.random.key(0)))
+    shared, apart = shapes
     assert apart == shared
 
 

@@ -217,12 +217,12 @@ def test_a_seed_that_diverges_ends_the_run_with_its_stage(
         (
             {"sharing": "per_agent"},
             {"sharing": "per_agent"},
-            r"stages\[2\]: its networks .* 3 agents before, and 2 here; each agent has",
+            r"stages\[2\]: its networks .*`sharing=per_agent`.* number of agents, 3 before and 2 here",
         ),
         (
             {"algorithm": "mappo"},
             {"algorithm": "mappo"},
-            r"stages\[2\]: .*3 agents before.*central critic reads the observations of all agents",
+            r"stages\[2\]: .*a central critic, the number of agents, 3 before and 2 here",
         ),
         ({}, {"init_from": "somewhere"}, r"stages\[2\]: leave `init_from` out"),
     ],

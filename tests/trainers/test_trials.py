@@ -72,7 +72,7 @@ def test_discounted_returns_run_through_the_ends_of_trials(env: Environment) -> 
     )
     assert rollout.done[:, 0].tolist() == [False] * 5 + [True]
     assert rollout.fresh[:, 0].tolist() == [True] + [False] * 5
-    assert finished.by_trial["collective_return"].tolist() == [4, 8, 12]
+    assert finished["by_trial"]["collective_return"].tolist() == [4, 8, 12]
     values = jnp.zeros((6, 1, 2))
     successors = successor_values(
         values, values[0], rollout.ending, rollout.done, rollout.truncated

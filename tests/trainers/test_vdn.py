@@ -20,8 +20,15 @@ from probes import (
 from sjdsl.trainers import TrainState, VDNConfig, make_config, make_train
 from sjdsl.trainers.algorithms.optimisers import learning_rate_schedule
 from sjdsl.trainers.algorithms.rollout import Rollout
-from sjdsl.trainers.algorithms.vdn import Transition, ValueLearner, follow_target, vdn_loss
-from sjdsl.trainers.algorithms.vdn_on_policy import Steps, team_loss, with_targets
+from sjdsl.trainers.algorithms.vdn import ValueLearner, follow_target
+from sjdsl.trainers.algorithms.vdn_targets import (
+    Steps,
+    Team,
+    Transition,
+    bootstrapped,
+    team_loss,
+    with_lambda_returns,
+)
 from sjdsl.trainers.networks.action_values import exploration
 
 VDN = {"algorithm": "vdn"}
@@ -102,7 +109,7 @@ def test_what_is_measured() -> None:
 def test_an_infinite_reward_leaves_the_parameters_as_they_were(changes: dict[str, Any]) -> None:
     ruined, metrics = learn(endless_riches(), **VDN, **changes)
     assert np.isnan(metrics["loss"]).all()
-    learner = ruined.learner if changes else ruined.learner.online
+    learner = ruined.learner.online
     assert int(learner.step) == 0
     kernel = learner.params["params"]["values"]["out"]["kernel"]
     np.testing.assert_allclose(kernel.T @ kernel, np.eye(2), atol=1e-5)
@@ -182,7 +189,9 @@ def test_the_loss_equals_its_formula(double_q: bool) -> None:
         ended=jnp.asarray(ended),
     )
     config = VDNConfig(gamma=0.9, double_q=double_q)
-    loss, parts = vdn_loss(jnp.asarray(online), jnp.asarray(target), Network, batch, config)  # type: ignore[arg-type]
+    team = Team(Network, jnp.arange(2))  # type: ignore[arg-type]
+    steps = bootstrapped(jnp.asarray(online), jnp.asarray(target), batch, team, config)
+    loss, parts = team_loss(jnp.asarray(online), team, steps, weight=1.0)
     assert float(loss) == pytest.approx(np.mean(squares), rel=1e-5)
     assert float(parts["team_value"]) == pytest.approx(np.mean(taken), rel=1e-5)
 
@@ -219,7 +228,7 @@ def test_targets_of_rollouts_equal_their_recursion() -> None:
         ending=jnp.asarray(terminal),
     )
     np.testing.assert_allclose(
-        with_targets(rollout, jnp.asarray(last), config).target,
+        with_lambda_returns(rollout, jnp.asarray(last), config).target,
         wanted.ravel(),
         rtol=1e-5,
         atol=1e-6,
@@ -235,12 +244,13 @@ def test_the_value_of_the_team_is_the_sum_over_learners() -> None:
     )
     table = jnp.array([[1.0, 2.0], [3.0, 5.0]])
     steps = Steps(jnp.array([[[0], [1], [1]]]), jnp.array([[1, 0, 1]]), jnp.array([10.0]))
-    loss, parts = team_loss(table, network, jnp.array([0, 2]), steps)  # type: ignore[arg-type]
+    team = Team(network, jnp.array([0, 2]))  # type: ignore[arg-type]
+    loss, parts = team_loss(table, team, steps, weight=0.5)
     assert (float(loss), float(parts["team_value"])) == (0.5 * (2 + 5 - 10) ** 2, 7.0)
 
 
-def test_nothing_is_learnt_from_the_target() -> None:
-    """The gradient of the loss is that of a fixed aim: 2 * (value - aim), shared by the actions taken."""
+def test_only_a_double_target_reads_the_online_network() -> None:
+    """The target is y = r + gamma * max Q'(s', a): 1 + 0.5 * 3, whatever the online network says."""
     network = type(
         "Network",
         (),
@@ -254,11 +264,12 @@ def test_nothing_is_learnt_from_the_target() -> None:
     batch = Transition(
         zero, jnp.zeros((1, 1), jnp.int32), jnp.array([1.0]), zero, jnp.array([False])
     )
-    table = jnp.array([[3.0, 0.0]])
-    gradient = jax.grad(
-        lambda parameters: vdn_loss(parameters, parameters, network, batch, VDNConfig(gamma=0.5))[0]
-    )(table)  # type: ignore[arg-type]
-    np.testing.assert_allclose(gradient, [[2 * (3 - (1 + 1.5)), 0.0]])
+    target, online = jnp.array([[3.0, 0.0]]), jnp.array([[-1.0, 8.0]])
+    team = Team(network, jnp.arange(1))  # type: ignore[arg-type]
+    for double_q, wanted in ((False, 1 + 0.5 * 3), (True, 1 + 0.5 * 0)):
+        config = VDNConfig(gamma=0.5, double_q=double_q)
+        steps = bootstrapped(online, target, batch, team, config)
+        np.testing.assert_allclose(steps.target, [wanted])
 
 
 def test_the_learning_rate_falls_to_zero() -> None:

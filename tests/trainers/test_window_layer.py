@@ -9,7 +9,7 @@ from jax import Array
 
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.tokens import to_channels
-from sjdsl.trainers.networks import window_rows
+from sjdsl.trainers.networks import window_tables
 from sjdsl.trainers.networks.window_layer import WindowLayer
 
 PLANES = (
@@ -74,7 +74,7 @@ def _way(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Non
             jax.lax, "platform_dependent", lambda *arguments, default, **_: default(*arguments)
         )
     else:
-        monkeypatch.setattr(window_rows, "LIMITS", (request.param,))
+        monkeypatch.setattr(window_tables, "LIMITS", (request.param,))
     jax.clear_caches()  # the way is chosen when a function is traced
 
 

@@ -1,6 +1,7 @@
 """Episode statistics inside a jitted loop: summed while an episode runs, recorded when it ends."""
 
 import math
+from dataclasses import field
 from typing import Any
 
 import flax
@@ -27,28 +28,6 @@ OF_EPISODES = {
 
 
 @flax.struct.dataclass
-class TrialSums:
-    """Sums over the K trials of B episodes so far, over agents too."""
-
-    length: Array  # [B, K] int32, steps
-    returns: Array  # [B, K] float32, raw rewards
-    events: dict[str, Array]  # name -> [B, K] int32, counts
-    metric_sums: dict[str, Array]  # name -> [B, K] float32, over steps
-    metric_finals: dict[str, Array]  # name -> [B, K] float32, at the last step
-
-    def figures(self) -> dict[str, Array]:
-        """Returns `[B, K]` figures by the names of their metrics."""
-        figures = {"collective_return": self.returns}
-        for name, count in self.events.items():
-            figures[f"event_{name}"] = count
-        for name, total in self.metric_sums.items():
-            figures[f"mean_{name}"] = total / jnp.maximum(self.length, 1)
-        for name, value in self.metric_finals.items():
-            figures[f"final_{name}"] = value
-        return figures
-
-
-@flax.struct.dataclass
 class EpisodeSums:
     """Sums over B episodes so far."""
 
@@ -58,28 +37,31 @@ class EpisodeSums:
     events: dict[str, Array]  # name -> [B, N] or [B] int32, counts
     metric_sums: dict[str, Array]  # name -> [B] float32, over steps
     metric_finals: dict[str, Array]  # name -> [B] float32, at the last step
-    trials: TrialSums | None = None  # None in games without trials
+    # figure -> [B, K] of the K trials, summed over agents; `length` and the names of metrics, with
+    # sums over steps in place of means; none in games without trials
+    trials: dict[str, Array] = field(default_factory=dict)
 
     @property
     def metric_means(self) -> dict[str, Array]:
         """Name -> `[B]` mean over the episode's steps."""
         return {name: total / self.length for name, total in self.metric_sums.items()}
 
+    @property
+    def by_trial(self) -> dict[str, Array]:
+        """Figure -> `[B, K]` of each trial; none in games without trials."""
+        figures = dict(self.trials)
+        if not figures:
+            return figures
+        length = figures.pop("length")
+        for name, total in figures.items():
+            if name.startswith("mean_"):
+                figures[name] = total / jnp.maximum(length, 1)
+        return figures
 
-@flax.struct.dataclass
-class FinishedEpisodes:
-    """Totals over the episodes that have ended; divided by their number, the mean episode."""
 
-    episodes: Array  # [] int32, their number
-    length: Array  # [] int32
-    returns: Array  # [N] float32
-    shaped_returns: Array  # [N] float32
-    equality: Array  # [] float32, of those where it is defined
-    equalities: Array  # [] int32, in how many it is
-    events: dict[str, Array]  # name -> [N] or [] int32
-    metric_means: dict[str, Array]  # name -> [] float32, of means over steps
-    metric_finals: dict[str, Array]  # name -> [] float32
-    by_trial: dict[str, Array]  # name -> [K] float32 or int32; none in games without trials
+# Totals over the episodes that have ended, by the names of their metrics; divided by their number,
+# `episodes`, the mean episode. `equality` is of those where it is defined, `equalities` in number.
+FinishedEpisodes = dict[str, Any]
 
 
 def zero_sums(env: Environment, num_envs: int) -> EpisodeSums:
@@ -102,42 +84,32 @@ def zero_sums(env: Environment, num_envs: int) -> EpisodeSums:
     )
 
 
-def _zero_trials(info: dict[str, Any], num_envs: int, trials: int) -> TrialSums | None:
-    """Returns the sums before the first step; None in games without trials."""
+def _zero_trials(info: dict[str, Any], num_envs: int, trials: int) -> dict[str, Array]:
+    """Returns the sums of each trial before the first step; none in games without trials."""
     if trials == 1:
-        return None
+        return {}
+    counts = ["length", *(f"event_{name}" for name in info["events"])]
+    values = ["collective_return"]
+    for name in info["metrics"]:
+        values += [f"mean_{name}", f"final_{name}"]
     no_counts = jnp.zeros((num_envs, trials), jnp.int32)
     no_values = jnp.zeros((num_envs, trials), jnp.float32)
-    no_metrics = dict.fromkeys(info["metrics"], no_values)
-    return TrialSums(
-        length=no_counts,
-        returns=no_values,
-        events=dict.fromkeys(info["events"], no_counts),
-        metric_sums=no_metrics,
-        metric_finals=no_metrics,
-    )
+    return dict.fromkeys(counts, no_counts) | dict.fromkeys(values, no_values)
 
 
-def _add_to_trials(sums: TrialSums, reward: Array, info: dict[str, Any]) -> TrialSums:
+def _add_to_trials(sums: dict[str, Array], reward: Array, info: dict[str, Any]) -> dict[str, Array]:
     """Returns the sums after one more step of each of B episodes, in the trial `info["trial"]`."""
-    batch = jnp.arange(reward.shape[0])
-    trial = info["trial"]
-
-    def added(total: Array, amount: Array) -> Array:
-        of_all_agents = amount.reshape(amount.shape[0], -1).sum(axis=-1, dtype=total.dtype)
-        return total.at[batch, trial].add(of_all_agents)
-
-    metrics = info["metrics"]
-    return TrialSums(
-        length=sums.length.at[batch, trial].add(1),
-        returns=added(sums.returns, reward),
-        events={name: added(count, info["events"][name]) for name, count in sums.events.items()},
-        metric_sums={name: added(total, metrics[name]) for name, total in sums.metric_sums.items()},
-        metric_finals={
-            name: value.at[batch, trial].set(metrics[name])
-            for name, value in sums.metric_finals.items()
-        },
-    )
+    step = {"length": jnp.ones(len(reward), jnp.int32), "collective_return": reward}
+    step |= {f"event_{name}": count for name, count in info["events"].items()}
+    for name, value in info["metrics"].items():
+        step |= {f"mean_{name}": value, f"final_{name}": value}
+    after = {}
+    for name, total in sums.items():
+        of_all_agents = step[name].reshape(len(reward), -1).sum(axis=-1, dtype=total.dtype)
+        of_trial = total.at[jnp.arange(len(reward)), info["trial"]]
+        is_last = name.startswith("final_")
+        after[name] = of_trial.set(of_all_agents) if is_last else of_trial.add(of_all_agents)
+    return after
 
 
 def add_step(
@@ -153,7 +125,7 @@ def add_step(
             name: total + info["metrics"][name] for name, total in sums.metric_sums.items()
         },
         metric_finals=info["metrics"],
-        trials=None if sums.trials is None else _add_to_trials(sums.trials, reward, info),
+        trials=_add_to_trials(sums.trials, reward, info),
     )
 
 
@@ -163,18 +135,18 @@ def split_finished(sums: EpisodeSums, done: Array) -> tuple[EpisodeSums, Finishe
     Returns the sums of those that continue, zero where they ended, and the totals of the others.
     """
     equal = equality(sums.returns)
-    ended = FinishedEpisodes(
-        episodes=jnp.ones_like(sums.length),
-        length=sums.length,
-        returns=sums.returns,
-        shaped_returns=sums.shaped_returns,
-        equality=jnp.nan_to_num(equal),
-        equalities=jnp.isfinite(equal).astype(jnp.int32),
-        events=sums.events,
-        metric_means=sums.metric_means,
-        metric_finals=sums.metric_finals,
-        by_trial={} if sums.trials is None else sums.trials.figures(),
-    )
+    ended = {
+        "episodes": jnp.ones_like(sums.length),
+        "equalities": jnp.isfinite(equal).astype(jnp.int32),
+        "episode_length": sums.length,
+        "agent_return": sums.returns,
+        "shaped_agent_return": sums.shaped_returns,
+        "equality": jnp.nan_to_num(equal),
+        "event": sums.events,
+        "mean": sums.metric_means,
+        "final": sums.metric_finals,
+        "by_trial": sums.by_trial,
+    }
     counted = where_env(done, ended, jax.tree.map(jnp.zeros_like, ended))
     total = jax.tree.map(lambda leaf: leaf.sum(axis=0, dtype=leaf.dtype), counted)
     return where_env(done, jax.tree.map(jnp.zeros_like, sums), sums), total
@@ -185,21 +157,10 @@ def mean_episode(total: FinishedEpisodes) -> dict[str, Any]:
 
     Missing values are zeros, so that no program returns NaN: see `without_value`.
     """
-    number = jnp.maximum(total.episodes, 1)
-    mean = jax.tree.map(lambda leaf: leaf / number, total)
-    return {
-        "episodes": total.episodes,
-        "equalities": total.equalities,
-        "episode_length": mean.length,
-        "collective_return": collective_return(mean.returns),
-        "agent_return": mean.returns,
-        "shaped_agent_return": mean.shaped_returns,
-        "equality": mean.equality,
-        "event": mean.events,
-        "mean": mean.metric_means,
-        "final": mean.metric_finals,
-        "by_trial": mean.by_trial,
-    }
+    number = jnp.maximum(total["episodes"], 1)
+    mean: dict[str, Any] = jax.tree.map(lambda leaf: leaf / number, total)
+    counts = {name: total[name] for name in ("episodes", "equalities")}
+    return mean | counts | {"collective_return": collective_return(mean["agent_return"])}
 
 
 def without_value(metrics: dict[str, Any]) -> set[str]:

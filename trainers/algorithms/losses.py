@@ -41,8 +41,7 @@ class Batch:
     value: Array  # [L, M, N] float32, when drawn
     advantage: Array  # [L, M, N] float32
     target: Array  # [L, M, N] float32, of the value
-    # [L, M, N, bytes] uint8, packed; in a minibatch [L, m, S, A] bool; None: all
-    allowed: Array | None = None
+    allowed: Array | None = None  # [L, M, N, A] bool, which actions; None: all
     # [L, M, A] float32, added to the logits of all agents; None: none
     preferences: Array | None = None
 

@@ -1,5 +1,6 @@
 """The optimisers (optax): for PPO one for all parameters that share layers."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -37,9 +38,10 @@ def make_optimiser(config: PPOConfig) -> optax.GradientTransformation:
     critic with large errors (as with summed rewards) doesn't take the actor's share of the clipped
     norm.
     """
+    adam = _clipped(optax.adam, config)
     if not parts(config):
-        return _clipped_adam(config)
-    return optax.partition({part: _clipped_adam(config) for part in parts(config)}, part_of_each)
+        return adam
+    return optax.partition(dict.fromkeys(parts(config), adam), part_of_each)
 
 
 def parts(config: PPOConfig) -> tuple[str, ...]:
@@ -65,20 +67,19 @@ def gradient_norms(gradients: Any, config: PPOConfig) -> dict[str, Array]:
     return norms
 
 
-def _clipped_adam(config: PPOConfig) -> optax.GradientTransformation:
-    """Returns Adam on gradients whose global norm is clipped."""
-    return optax.chain(
-        optax.clip_by_global_norm(config.max_gradient_norm),
-        optax.adam(learning_rate_schedule(config), eps=config.adam_epsilon),
-    )
-
-
 def make_value_optimiser(config: VDNConfig) -> optax.GradientTransformation:
     """Returns rectified Adam on gradients whose global norm is clipped.
 
     Source: SocialJax, VDN configuration.
     """
+    return _clipped(optax.radam, config)
+
+
+def _clipped(
+    make: Callable[..., optax.GradientTransformation], config: PPOConfig | VDNConfig
+) -> optax.GradientTransformation:
+    """Returns an optimiser on gradients whose global norm is clipped."""
     return optax.chain(
         optax.clip_by_global_norm(config.max_gradient_norm),
-        optax.radam(learning_rate_schedule(config), eps=config.adam_epsilon),
+        make(learning_rate_schedule(config), eps=config.adam_epsilon),
     )

@@ -1,6 +1,7 @@
 """Proximal policy optimisation (PPO) of N agents: runs of IPPO and MAPPO, and the clipped loss."""
 
 from dataclasses import replace
+from functools import partial
 from itertools import accumulate
 from typing import Any, cast
 
@@ -22,7 +23,7 @@ from ..environment import Environment
 from ..networks.actor_critics import AGENTS_AXIS, ActorCritics, make_actor_critics
 from ..networks.architectures import Memory
 from ..networks.last_step import LastStep, over_rollout
-from ..networks.masks import allowed_in, masked, pack_mask, unpack_mask
+from ..networks.masks import allowed_in, masked
 from ..networks.teams import learning_agents, over_teams
 from ..networks.value_scale import follow_targets, value_unit
 from ..settings.config import ConfigError, PPOConfig
@@ -55,6 +56,17 @@ from .rollout import (
 from .shaping import make_shaping
 from .training_functions import Metrics, Train, TrainState, keep_if_finite, with_parameters
 
+# fields of a batch that each agent has, [L, M, N, ...]
+OF_AGENTS = (
+    "observation",
+    "action",
+    "log_probability",
+    "value",
+    "advantage",
+    "target",
+    "allowed",
+)
+
 
 @flax.struct.dataclass
 class Acting:
@@ -62,7 +74,7 @@ class Acting:
 
     log_probability: Array  # [..., B, N] float32, of the drawn action
     value: Array  # [..., B, N] float32, of the observation
-    allowed: Array | None = None  # [..., B, N, bytes] uint8, the allowed actions, packed; None: all
+    allowed: Array | None = None  # [..., B, N, A] bool; None: all
     last: LastStep | None = None  # leaves [..., B, G, 1, S], what agents read of their last steps
     preferences: Array | None = None  # [..., B, A] float32, added to the logits; None: none
 
@@ -184,8 +196,8 @@ def make_actor(
         logits = masked(logits, allowed)
         action = draw_actions(key, logits)
         log_probability = chosen_log_probability(logits, action)
-        last = worlds.memory["last"] if networks.network.reads else None
-        acting = Acting(log_probability, value, pack_mask(allowed), last, preferences)
+        last = worlds.memory["last"] if networks.network.config.memory_reads else None
+        acting = Acting(log_probability, value, allowed, last, preferences)
         return memory, action, acting
 
     def follow(memory: Memory, info: dict[str, Any]) -> Array:
@@ -290,15 +302,7 @@ def learn_teams(
 ) -> tuple[Learner, Metrics]:
     """Returns the learner `[G, ...]` after its epochs, and its losses, as means over teams."""
     number = len(networks.teams)
-
-    def learn_team(
-        learner: Learner, orders: Array, agents: Array, memory: Memory
-    ) -> tuple[Learner, Metrics]:
-        """Learns with one team's learner, orders `[epochs, minibatches, m]` and memory."""
-        of_team = replace(batch, memory=memory)
-        apply = cast(Apply, networks.network.apply)
-        return take_epochs(learner, of_team, orders, agents, apply, networks, config)
-
+    learn_team = partial(take_epochs, batch=batch, networks=networks, config=config)
     learn = over_teams(learn_team, number, in_axes=(0, 0, 0, 1), out_axes=(0, 0))
     orders = draw_orders(key, number, config)
     learner, losses = learn(learner, orders, jnp.asarray(networks.teams), batch.memory)
@@ -307,10 +311,10 @@ def learn_teams(
 
 def take_epochs(
     learner: Learner,
-    batch: Batch,
     orders: Array,
     agents: Array,
-    apply: Apply,
+    memory: Memory,
+    batch: Batch,
     networks: ActorCritics,
     config: PPOConfig,
 ) -> tuple[Learner, Metrics]:
@@ -318,11 +322,13 @@ def take_epochs(
 
     Args:
       learner: the learner of the team.
-      batch: the rollout of all agents, with the team's memory `[M, ...]`.
       orders: `[epochs, minibatches, m]` of `draw_orders`.
       agents: `[S]` numbers of the team's agents.
-      apply: the network of the team.
+      memory: of the team, `[M, ...]`.
+      batch: the rollout of all agents.
     """
+    batch = replace(batch, memory=memory)
+    apply = cast(Apply, networks.network.apply)
     loss = jax.value_and_grad(loss_of(config), has_aux=True)
 
     def take_step(learner: Learner, indices: Array) -> tuple[Learner, Metrics]:
@@ -365,18 +371,14 @@ def take_minibatch(batch: Batch, indices: Array, agents: Array, networks: ActorC
         return leaf[:, indices] if is_everybody else leaf[:, indices[:, None], agents]
 
     all_windows = networks.packing.unpack(of_sequences(batch.observation))
+    of_agents = {name: jax.tree.map(of_team, getattr(batch, name)) for name in OF_AGENTS}
+    of_agents["observation"] = networks.packing.unpack(of_agents["observation"])
     return Batch(
-        observation=networks.packing.unpack(of_team(batch.observation)),
         joint=networks.joint(all_windows, jax.tree.map(of_sequences, batch.joint)),
         fresh=of_sequences(batch.fresh),
         memory=jax.tree.map(lambda leaf: leaf[indices], batch.memory),
-        action=of_team(batch.action),
-        log_probability=of_team(batch.log_probability),
-        value=of_team(batch.value),
-        advantage=of_team(batch.advantage),
-        target=of_team(batch.target),
-        allowed=unpack_mask(jax.tree.map(of_team, batch.allowed), networks.network.num_actions),
         preferences=jax.tree.map(of_sequences, batch.preferences),
+        **of_agents,
     )
 
 

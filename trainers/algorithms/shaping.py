@@ -35,7 +35,8 @@ def make_shaping(config: Config, num_agents: int) -> Shaping:
     """Returns the shaping of a configuration.
 
     Raises:
-      ConfigError: `svo_angle` has neither one angle nor one for each agent.
+      ConfigError: `svo_angle` has neither one angle nor one for each agent; when it is traced, a
+        user's own reward gives something else than a number for each agent.
     """
     scale = float(num_agents) if config.match_socialjax else 1.0
     degrees = config.svo_angle * num_agents if len(config.svo_angle) == 1 else config.svo_angle
@@ -66,7 +67,13 @@ def make_shaping(config: Config, num_agents: int) -> Shaping:
             case "svo":
                 return scale * (reward - config.svo_weight * svo_penalty(trace))
             case own:
-                paid: Array = jax.vmap(filled("reward", own, config.own))(step)
+                own_reward = filled("reward", own, config.own)
+                paid: Array = jax.vmap(lambda step: jnp.asarray(own_reward(step)))(step)
+                if paid.shape != reward.shape:
+                    raise ConfigError(
+                        f"the reward `{own}` must give a number for each of the {num_agents} "
+                        f"agents, an array of shape ({num_agents},), not {paid.shape[1:]}"
+                    )
                 return paid.astype(jnp.float32)
 
     def svo_penalty(trace: Array) -> Array:

@@ -1,9 +1,12 @@
-"""Value decomposition networks (VDN): epsilon-greedy Q-learning of a team, with a target network.
+"""Value decomposition networks (VDN): epsilon-greedy Q-learning of a team.
 
-It learns from a replay buffer. Source: Sunehag et al. 2018, "Value-decomposition networks for
-cooperative multi-agent learning".
+With a replay buffer it has a target network. Source: Sunehag et al. 2018, "Value-decomposition
+networks for cooperative multi-agent learning". Without, targets are lambda returns of the rollout
+just played, in many environments, and layer normalisation keeps the values from diverging. Source:
+Gallici et al. 2024, "Simplifying deep temporal difference learning" (PQN), section 4.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, cast
 
@@ -15,61 +18,56 @@ from flax.training.train_state import TrainState as Learner
 from jax import Array
 
 from ..environment import Environment, MaskedEnvironment, array_shape, reset_shapes
-from ..networks.action_values import (
-    best_action,
-    exploration,
-    explore,
-    make_action_values,
-    values_of_actions,
-)
+from ..networks.action_values import exploration, explore, make_action_values
 from ..networks.actor_critics import packing_of
-from ..networks.architectures import ActionValues
-from ..networks.masks import allowed_in, masked, pack_mask, unpack_mask, wants_masks
+from ..networks.masks import allowed_in, wants_masks
 from ..networks.packing import Packing
 from ..networks.teams import learning_agents
 from ..settings.config import ConfigError, VDNConfig
+from .minibatches import check_minibatches, draw_orders, sorted_on_cpu
 from .optimisers import learning_rate_schedule, make_value_optimiser, start_learner
 from .partners import Partners
 from .replay_buffer import ReplayBuffer, add_entries, draw_entries, empty_replay
-from .rollout import Actor, Rollout, Worlds, collect_rollout, rollout_metrics, start_worlds
+from .rollout import (
+    Actor,
+    Rollout,
+    Worlds,
+    collect_rollout,
+    if_any_truncated,
+    rollout_metrics,
+    start_worlds,
+)
 from .shaping import make_shaping
 from .training_functions import Metrics, Train, TrainState, keep_if_finite
-
-
-@flax.struct.dataclass
-class Transition:
-    """One step of one environment in the replay buffer."""
-
-    observation: Array  # [N, bytes] uint8, acted on, packed
-    action: Array  # [N] int32
-    reward: Array  # [] float32, the team's
-    following: Array  # [N, bytes] uint8, packed, after the step, before a reset
-    ended: Array  # [] bool, a termination, not a truncation
-    # [N, bytes] uint8, actions allowed after the step, packed; in a batch [N, A] bool; None: all
-    allowed: Array | None = None
+from .vdn_targets import Steps, Team, Transition, bootstrapped, team_loss, with_lambda_returns
 
 
 @flax.struct.dataclass
 class ValueLearner:
-    """Networks and replay buffer."""
+    """The network, and with replay its target and the buffer."""
 
     online: Learner  # parameters, optimiser state and `step`, the gradient steps taken
-    target: Any  # parameters of the target network
-    replay: ReplayBuffer
+    target: Any = None  # parameters of the target network
+    replay: ReplayBuffer | None = None
 
 
 def make_vdn(env: Environment, config: VDNConfig, partners: Partners) -> Train:
     """Returns the pure functions of a run.
 
     Raises:
-      ConfigError: the configuration is inconsistent or doesn't fit the environment.
+      ConfigError: the rollout doesn't divide into minibatches or the replay buffer into rollouts,
+        or the configuration doesn't fit the environment.
     """
-    if config.buffer_size % config.steps_per_update:
+    replays = config.replay == "buffer"
+    if not replays:
+        check_minibatches(config)
+    elif config.buffer_size % config.steps_per_update:
         raise ConfigError(
             f"`buffer_size` must be a multiple of num_envs x num_steps = {config.num_envs} x "
             f"{config.num_steps} = {config.steps_per_update}, not {config.buffer_size}"
         )
     network = make_action_values(env, config)
+    team = Team(network, jnp.asarray(learning_agents(env.num_agents, config)))
     shaping = make_shaping(config, env.num_agents)
     optimiser = make_value_optimiser(config)
     packing = packing_of(env)
@@ -80,64 +78,91 @@ def make_vdn(env: Environment, config: VDNConfig, partners: Partners) -> Train:
         key, network_key, worlds_key = jax.random.split(key, 3)
         worlds = start_worlds(env, config.num_envs, (), worlds_key, partners)
         parameters = network.init(network_key, worlds.observation[:1])
-        learner = ValueLearner(
-            online=start_learner(parameters, optimiser),
-            target=jax.tree.map(jnp.copy, parameters),
-            replay=empty_replay(_entry_shapes(env, packing, masks), config.buffer_size),
-        )
+        learner = ValueLearner(start_learner(parameters, optimiser))
+        if replays:
+            learner = replace(
+                learner,
+                target=jax.tree.map(jnp.copy, parameters),
+                replay=empty_replay(_entry_shapes(env, packing, masks), config.buffer_size),
+            )
         return TrainState.start(key, learner, worlds)
 
+    def best_value(parameters: Any, observation: Array, state: Any) -> Array:
+        """Returns the value `[B]` of the best actions after an observation."""
+        return team.best(team.values(parameters, observation), allowed_in(env, masks, state))
+
+    def make_actor(parameters: Any, epsilon: Array) -> Actor:
+        """Returns agents that take their best action or, with probability `epsilon`, any."""
+
+        def act(worlds: Worlds, key: Array) -> tuple[Any, Array, Array]:
+            allowed = allowed_in(env, masks, worlds.state)
+            values = team.values(parameters, worlds.observation)
+            return (), explore(key, values, allowed, epsilon), team.best(values, allowed)
+
+        def follow(memory: Any, info: dict[str, Any]) -> Any:
+            """Returns what a replayed step led to; else the values `[B]` where episodes were cut."""
+            del memory
+            observation = info["terminal_observation"]
+            state = info.get("terminal_state")
+            if replays:
+                return packing.pack(observation), allowed_in(env, masks, state)
+            return if_any_truncated(info, lambda: best_value(parameters, observation, state))
+
+        return Actor(act, packing.pack, follow)
+
     def collect(state: TrainState) -> tuple[TrainState, Any]:
-        """Plays a rollout into the replay buffer."""
+        """Plays a rollout, perhaps into the replay buffer; exploration falls with the updates."""
         key, rollout_key = jax.random.split(state.key)
         epsilon = exploration(config, state.updates)
-        actor = make_actor(env, network, packing, masks, state.learner.online.params, epsilon)
+        actor = make_actor(state.learner.online.params, epsilon)
         worlds, rollout, finished, measured = collect_rollout(
             env, actor, state.worlds, rollout_key, config.num_steps, shaping, partners
         )
-        replay = add_entries(state.learner.replay, _entries(rollout))
-        learner = replace(state.learner, replay=replay)
         metrics = {**rollout_metrics(rollout, finished, measured), "epsilon": epsilon}
-        return replace(state, key=key, worlds=worlds, learner=learner), metrics
+        after = replace(state, key=key, worlds=worlds)
+        if not replays:
+            return after, (rollout, metrics)
+        replay = add_entries(state.learner.replay, _entries(rollout))
+        return replace(after, learner=replace(state.learner, replay=replay)), (None, metrics)
 
-    def learn(state: TrainState, of_rollout: Metrics) -> tuple[TrainState, Metrics]:
-        """Takes gradient steps on batches of the buffer, once it is full enough."""
+    def learn(state: TrainState, played: Any) -> tuple[TrainState, Metrics]:
+        """Takes gradient steps on batches of the buffer, or on what was played."""
+        rollout, metrics = played
         key, learn_key = jax.random.split(state.key)
-        before = state.learner.online
-        target = state.learner.target
-        replay = state.learner.replay
-        online, losses = take_gradient_steps(
-            network, packing, before, target, replay, learn_key, config
-        )
-        learns = replay.filled >= config.learning_starts
-        online, losses = jax.tree.map(
-            lambda new, old: jnp.where(learns, new, old),
-            (online, losses),
-            (before, jax.tree.map(jnp.zeros_like, losses)),
-        )
+        learner = state.learner
+        before = learner.online
+        if replays:
+            online, losses = learn_from_replay(learner, learn_key, team, packing, config)
+        else:
+            worlds = state.worlds
+            last_value = best_value(before.params, worlds.observation, worlds.state)
+            steps = with_lambda_returns(rollout, last_value, config)
+            online, losses = learn_from_rollout(before, steps, learn_key, team, packing, config)
         online, losses["loss"] = keep_if_finite(losses["loss"], online, before, state.diverged)
-        target = follow_target(target, online.params, state.updates + 1, config)
-        learner = ValueLearner(online, target, replay)
-        metrics = {
-            **of_rollout,
-            **losses,
-            "replayed": replay.filled,
-            "learning_rate": learning_rate_schedule(config)(online.step),
-        }
+        metrics = {**metrics, **losses}
+        learner = replace(learner, online=online)
+        counted = before
+        if replays:
+            counted = online
+            target = follow_target(learner.target, online.params, state.updates + 1, config)
+            learner = replace(learner, target=target)
+            metrics["replayed"] = learner.replay.filled
+        metrics["learning_rate"] = learning_rate_schedule(config)(counted.step)
         return state.after_update(key, learner, losses["loss"]), metrics
 
     def parameters(state: TrainState) -> Any:
         return state.learner.online.params
 
     # The replay buffer is large, and a loop over seeds would copy it.
-    return Train(init, collect, learn, parameters, adopt, loops=False)
+    return Train(init, collect, learn, parameters, adopt, loops=not replays)
 
 
 def adopt(state: TrainState, parameters: Any) -> TrainState:
     """Returns a state with other parameters, for the network and its target."""
-    online = replace(state.learner.online, params=parameters)
-    target = jax.tree.map(jnp.copy, parameters)
-    return replace(state, learner=replace(state.learner, online=online, target=target))
+    learner = replace(state.learner, online=replace(state.learner.online, params=parameters))
+    if learner.target is not None:
+        learner = replace(learner, target=jax.tree.map(jnp.copy, parameters))
+    return replace(state, learner=learner)
 
 
 def _entry_shapes(env: Environment, packing: Packing, masks: bool) -> Transition:
@@ -146,8 +171,7 @@ def _entry_shapes(env: Environment, packing: Packing, masks: bool) -> Transition
     packed = jax.eval_shape(packing.pack, observation)
     allowed = None
     if masks:
-        actions = jax.eval_shape(cast(MaskedEnvironment, env).allowed_actions, state)
-        allowed = jax.eval_shape(pack_mask, actions)
+        allowed = jax.eval_shape(cast(MaskedEnvironment, env).allowed_actions, state)
     return Transition(
         observation=packed,
         action=array_shape((env.num_agents,), jnp.int32),
@@ -173,83 +197,70 @@ def _entries(rollout: Rollout) -> Transition:
     return entries
 
 
-def make_actor(
-    env: Environment,
-    network: ActionValues,
-    packing: Packing,
-    masks: bool,
-    parameters: Any,
-    epsilon: Array,
-) -> Actor:
-    """Returns agents that take their best action or, with probability `epsilon`, a random one."""
-
-    def act(worlds: Worlds, key: Array) -> tuple[Any, Array, None]:
-        allowed = allowed_in(env, masks, worlds.state)
-        values = cast(Array, network.apply(parameters, worlds.observation))
-        return (), explore(key, values, allowed, epsilon), None
-
-    def follow(memory: Any, info: dict[str, Any]) -> tuple[Array, Array | None]:
-        del memory
-        allowed = allowed_in(env, masks, info.get("terminal_state"))
-        return packing.pack(info["terminal_observation"]), pack_mask(allowed)
-
-    return Actor(act, packing.pack, follow)
-
-
-def take_gradient_steps(
-    network: ActionValues,
-    packing: Packing,
-    online: Learner,
-    target: Any,
-    replay: ReplayBuffer,
-    key: Array,
-    config: VDNConfig,
+def learn_from_replay(
+    learner: ValueLearner, key: Array, team: Team, packing: Packing, config: VDNConfig
 ) -> tuple[Learner, Metrics]:
-    """Takes `gradient_steps` steps, each on a new batch; losses are means over them."""
+    """Takes `gradient_steps` steps, each on a new batch; none until enough steps were played."""
+    assert learner.replay is not None
+    replay = learner.replay
 
-    def take_step(online: Learner, key: Array) -> tuple[Learner, Metrics]:
-        """Takes one gradient step on a batch drawn from the buffer."""
+    def draw_steps(parameters: Any, key: Array) -> Steps:
         drawn = draw_entries(replay, key, config.batch_size)
         batch = drawn.replace(
             observation=packing.unpack(drawn.observation),
             following=packing.unpack(drawn.following),
-            allowed=unpack_mask(drawn.allowed, network.num_actions),
         )
-        loss = jax.value_and_grad(vdn_loss, has_aux=True)
-        (_, losses), gradients = loss(online.params, target, network, batch, config)
-        losses["gradient_norm"] = optax.tree.norm(gradients)
-        return online.apply_gradients(grads=gradients), losses
+        return bootstrapped(parameters, learner.target, batch, team, config)
 
-    online, losses = jax.lax.scan(take_step, online, jax.random.split(key, config.gradient_steps))
-    return online, jax.tree.map(jnp.mean, losses)
+    keys = jax.random.split(key, config.gradient_steps)
+    online, losses = take_gradient_steps(learner.online, keys, draw_steps, team, weight=1.0)
+    learns = replay.filled >= config.learning_starts
+    result: tuple[Learner, Metrics] = jax.tree.map(
+        lambda new, old: jnp.where(learns, new, old),
+        (online, losses),
+        (learner.online, jax.tree.map(jnp.zeros_like, losses)),
+    )
+    return result
 
 
-def vdn_loss(
-    parameters: Any, target: Any, network: ActionValues, batch: Transition, config: VDNConfig
-) -> tuple[Array, Metrics]:
-    """Returns the mean squared error of the team's value, and its parts.
+def learn_from_rollout(
+    learner: Learner, steps: Steps, key: Array, team: Team, packing: Packing, config: VDNConfig
+) -> tuple[Learner, Metrics]:
+    """Takes `num_epochs * num_minibatches` gradient steps on half the squared error."""
 
-    y = r + gamma * sum over i of max_a Q'_i(s', a), with the target network Q', over the actions
-    allowed in s'. After a termination y = r. With `double_q`, a is the best action of the online
-    network (van Hasselt et al. 2016). The error is (y - sum over i of Q_i(s, a_i))^2. Sums are over
-    the learning agents.
+    def take_minibatch(_: Any, indices: Array) -> Steps:
+        ordered = sorted_on_cpu(indices)
+        minibatch: Steps = jax.tree.map(lambda leaf: leaf[ordered], steps)
+        return replace(minibatch, observation=packing.unpack(minibatch.observation))
+
+    orders = draw_orders(key, 1, config)
+    orders = orders.reshape(-1, orders.shape[-1])
+    return take_gradient_steps(learner, orders, take_minibatch, team, weight=0.5)
+
+
+def take_gradient_steps(
+    learner: Learner,
+    draws: Array,
+    steps_of: Callable[[Any, Array], Steps],
+    team: Team,
+    weight: float,
+) -> tuple[Learner, Metrics]:
+    """Takes a gradient step for each draw; losses are means over them.
+
+    Args:
+      steps_of: `(parameters, draw) -> steps` to learn from.
+      weight: of the squared error.
     """
-    values = cast(Array, network.apply(parameters, batch.observation))
-    learning = jnp.asarray(learning_agents(values.shape[-2], config))
 
-    def of_team(values: Array) -> Array:
-        return values[..., learning].sum(axis=-1)
+    def take_step(learner: Learner, draw: Array) -> tuple[Learner, Metrics]:
+        steps = steps_of(learner.params, draw)
+        loss = jax.value_and_grad(team_loss, has_aux=True)
+        (_, losses), gradients = loss(learner.params, team, steps, weight)
+        losses["gradient_norm"] = optax.tree.norm(gradients)
+        return learner.apply_gradients(grads=gradients), losses
 
-    team_value = of_team(values_of_actions(values, batch.action))
-    next_values = cast(Array, network.apply(target, batch.following))
-    if config.double_q:
-        online_values = cast(Array, network.apply(parameters, batch.following))
-        following = values_of_actions(next_values, best_action(online_values, batch.allowed))
-    else:
-        following = masked(next_values, batch.allowed).max(axis=-1)
-    wanted = batch.reward + config.gamma * jnp.where(batch.ended, 0.0, of_team(following))
-    loss = jnp.square(team_value - jax.lax.stop_gradient(wanted)).mean()
-    return loss, {"loss": loss, "team_value": team_value.mean()}
+    learner, losses = jax.lax.scan(take_step, learner, draws)
+    return learner, jax.tree.map(jnp.mean, losses)
 
 
 def follow_target(target: Any, online: Any, updates: Array, config: VDNConfig) -> Any:

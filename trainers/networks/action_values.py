@@ -7,7 +7,7 @@ from jax import Array
 from ..environment import Environment
 from ..settings.config import VDNConfig
 from .actor_critics import token_planes
-from .architectures import ActionValues, Layers
+from .architectures import ActionValues
 from .masks import draw_any, masked
 
 
@@ -20,7 +20,7 @@ def make_action_values(env: Environment, config: VDNConfig) -> ActionValues:
     return ActionValues(
         num_actions=env.num_actions,
         planes=token_planes(env),
-        layers=Layers.of(config),
+        config=config,
         numbers=env.num_agents if config.agent_id else 0,
     )
 

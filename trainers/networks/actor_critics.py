@@ -9,9 +9,9 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
-from ..environment import Environment, ObservableEnvironment, abstract_key, reset_shapes
+from ..environment import Environment, ObservableEnvironment, reset_shapes
 from ..settings.config import ConfigError, PPOConfig
-from .architectures import ActorCritic, Layers, Memory, Planes
+from .architectures import ActorCritic, Memory, Planes
 from .last_step import make_last_step
 from .masks import wants_masks
 from .packing import Packing, make_packing
@@ -26,7 +26,8 @@ class ActorCritics:
 
     teams: np.ndarray  # [G, S] int32, numbers of agents
     network: ActorCritic
-    joint_shape: tuple[int, ...] | None  # of a central critic's input; None: critics are local
+    # zeros [1, 1, ...] in place of a central critic's input; None: critics are local
+    blank_joint: Array | None
     # of one state `[K]` float32, if that is the critic's input
     state_vector: Callable[[Any], Array] | None
     packing: Packing  # of the observations in a rollout
@@ -41,7 +42,7 @@ class ActorCritics:
         memory = self.network.start_memory(1)
         agents = jnp.asarray(self.teams[0])
         drawn = [
-            self.network.init(team_key, memory, seen, self.blank_joint(), fresh, agents)
+            self.network.init(team_key, memory, seen, self.blank_joint, fresh, agents)
             for team_key in jax.random.split(key, number)
         ]
         return jax.tree.map(lambda *leaves: jnp.stack(leaves), *drawn)
@@ -61,9 +62,10 @@ class ActorCritics:
           action, reward: `[B, N]`, of all agents; rewards as the game pays them.
           info: as the step gave it.
         """
-        if not self.network.reads:
+        reads = self.network.config.memory_reads
+        if not reads:
             return memory
-        last = make_last_step(self.network.reads, action, reward, info)
+        last = make_last_step(reads, action, reward, info)
         of_teams = {name: leaf[:, self.teams[:, None]] for name, leaf in last.items()}
         return memory | {"last": of_teams}
 
@@ -73,18 +75,11 @@ class ActorCritics:
         It is all windows `[L, M, N, P, V, V]`, plane after plane, or states `[L, M, ...]` as
         vectors.
         """
-        if self.joint_shape is None:
+        if self.blank_joint is None:
             return None
         if self.state_vector is not None:
             return jax.vmap(jax.vmap(self.state_vector))(state)
-        return observation.reshape(*observation.shape[:2], *self.joint_shape)
-
-    def blank_joint(self) -> Array | None:
-        """Returns zeros `[1, 1, ...]` in place of `joint`, where the values aren't used."""
-        if self.joint_shape is None:
-            return None
-        dtype = jnp.uint8 if self.state_vector is None else jnp.float32
-        return jnp.zeros((1, 1, *self.joint_shape), dtype)
+        return observation.reshape(*observation.shape[:2], *self.blank_joint.shape[2:])
 
     def apply(
         self, parameters: Any, memory: Memory, observation: Array, joint: Array | None, fresh: Array
@@ -137,31 +132,27 @@ def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
     """
     planes = token_planes(env)
     joint_planes: Planes | None = None
-    joint_shape: tuple[int, ...] | None = None
+    blank_joint: Array | None = None
     state_vector: Callable[[Any], Array] | None = None
+    observation, state = reset_shapes(env)
     if config.algorithm == "mappo" and config.critic == "state":
         joint_planes = ()
-        joint_shape = state_shape(env)
-        state_vector = cast(ObservableEnvironment, env).state_vector
+        state_vector = vector_function(env)
+        blank_joint = jnp.zeros((1, 1, *jax.eval_shape(state_vector, state).shape), jnp.float32)
     elif config.algorithm == "mappo":
-        observation, _ = reset_shapes(env)
         joint_planes = planes * env.num_agents
-        joint_shape = (len(joint_planes), *observation.shape[2:])
+        blank_joint = jnp.zeros((1, 1, len(joint_planes), *observation.shape[2:]), jnp.uint8)
     teams = make_teams(env, config)
     network = ActorCritic(
         num_actions=env.num_actions,
         num_agents=teams.shape[1],
         planes=planes,
         joint_planes=joint_planes,
-        layers=Layers.of(config),
-        recurrent=config.memory == "gru",
-        reads=config.memory_reads,
+        config=config,
         numbers=env.num_agents if config.agent_id else 0,
-        share_hidden=config.share_hidden,
-        normalise_values=config.normalise_values,
     )
     masks = wants_masks(env, config)
-    return ActorCritics(teams, network, joint_shape, state_vector, packing_of(env), masks)
+    return ActorCritics(teams, network, blank_joint, state_vector, packing_of(env), masks)
 
 
 def token_planes(env: Environment) -> Planes:
@@ -186,8 +177,8 @@ def packing_of(env: Environment) -> Packing:
     return make_packing(token_planes(env), observation.shape[-2:])
 
 
-def state_shape(env: Environment) -> tuple[int, ...]:
-    """Returns the shape `(K,)` of an environment's state as a vector.
+def vector_function(env: Environment) -> Callable[[Any], Array]:
+    """Returns the function of an environment that gives a state as a vector `[K]`.
 
     Raises:
       ConfigError: it has none.
@@ -197,10 +188,4 @@ def state_shape(env: Environment) -> tuple[int, ...]:
             f"`{env.name}` has no state_vector for a critic of the state; "
             'choose critic = "observations"'
         )
-
-    def first_vector(key: Array) -> Any:
-        _, state = env.reset(key)
-        return env.state_vector(state)
-
-    result: tuple[int, ...] = jax.eval_shape(first_vector, abstract_key()).shape
-    return result
+    return cast(ObservableEnvironment, env).state_vector

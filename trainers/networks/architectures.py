@@ -1,7 +1,6 @@
 """Neural networks (flax): from token observations to action logits, state or action values."""
 
 import inspect
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -13,7 +12,7 @@ from jax import Array
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.tokens import to_channels
 
-from ..settings.config import Config
+from ..settings.config import Config, PPOConfig, VDNConfig
 from ..settings.config_errors import ConfigError
 from ..settings.own_settings import filled
 from .convolution import convolve
@@ -29,32 +28,6 @@ Planes = tuple[TokenPlane, ...]
 Memory = Any  # recurrent state passed from step to step: arrays `[M, ...]`; `()` without memory
 
 
-@dataclass(frozen=True)
-class Layers:
-    """How the layers of a network are made; the fields are settings of a configuration."""
-
-    network: str  # mlp, cnn, or the name of a custom network
-    width: int
-    dtype: Any
-    sides: tuple[int, ...]
-    channels: int
-    own: tuple[tuple[str, Any], ...]  # settings that a custom network may take
-    norm: bool
-
-    @classmethod
-    def of(cls, config: Config) -> "Layers":
-        """Returns the layers that a configuration describes."""
-        return cls(
-            network=config.network,
-            width=config.network_width,
-            dtype=jnp.dtype(config.precision),
-            sides=config.convolution_sides,
-            channels=config.convolution_channels,
-            own=config.own,
-            norm=getattr(config, "layer_norm", False),
-        )
-
-
 class Torso(nn.Module):
     """Features of windows of tokens, or of vectors.
 
@@ -64,7 +37,7 @@ class Torso(nn.Module):
     """
 
     planes: Planes
-    layers: Layers
+    config: Config
 
     @nn.compact
     def __call__(self, observation: Array) -> Array:
@@ -73,28 +46,29 @@ class Torso(nn.Module):
         Args:
           observation: `[..., P, V, V]` uint8, or `[..., K]` float32 if there are no planes.
         """
-        layers = self.layers
+        config = self.config
+        dtype = jnp.dtype(config.precision)
         if not self.planes:
-            return dense(observation.astype(layers.dtype), layers)
+            return dense(observation.astype(dtype), config)
         lead = observation.shape[:-3]
         windows = observation.reshape(-1, *observation.shape[-3:])
-        if layers.network == "mlp":
+        if config.network == "mlp":
             layer = WindowLayer(
-                layers.width, self.planes, HIDDEN_GAIN, layers.dtype, name="Dense_0"
+                config.network_width, self.planes, HIDDEN_GAIN, dtype, name="Dense_0"
             )
-            return activate(layer(observation), layers)
-        if layers.network == "cnn":
-            return dense(self._convolutions(windows).reshape(*lead, -1), layers)
-        return self._own(windows).reshape(*lead, -1).astype(layers.dtype)
+            return activate(layer(observation), config)
+        if config.network == "cnn":
+            return dense(self._convolutions(windows).reshape(*lead, -1), config)
+        return self._own(windows).reshape(*lead, -1).astype(dtype)
 
     def _convolutions(self, windows: Array) -> Array:
         """Returns the features `[M, V, V, channels]` of windows `[M, P, V, V]` uint8."""
-        dtype = self.layers.dtype
+        dtype = jnp.dtype(self.config.precision)
         features = to_channels(windows, self.planes, dtype, scale_numbers=True)
         features = jnp.moveaxis(features, 1, -1)  # convolutions expect channels last
-        for index, side in enumerate(self.layers.sides):
+        for index, side in enumerate(self.config.convolution_sides):
             name = f"convolution_{index}"
-            shape = (side, side, features.shape[-1], self.layers.channels)
+            shape = (side, side, features.shape[-1], self.config.convolution_channels)
             kernel = self.param(name, orthogonal(HIDDEN_GAIN), shape)
             bias = self.param(f"{name}_bias", nn.initializers.zeros, shape[-1:], jnp.float32)
             features = nn.relu(convolve(features, kernel.astype(dtype)) + bias.astype(dtype))
@@ -106,9 +80,13 @@ class Torso(nn.Module):
         It is created with those of `planes`, `width`, `dtype` and the user's own settings for which
         it has fields or arguments.
         """
-        layers = self.layers
-        make = filled("network", layers.network, layers.own)
-        known = {"planes": self.planes, "width": layers.width, "dtype": layers.dtype}
+        config = self.config
+        make = filled("network", config.network, config.own)
+        known = {
+            "planes": self.planes,
+            "width": config.network_width,
+            "dtype": jnp.dtype(config.precision),
+        }
         fields = inspect.signature(make).parameters
         module = make(**{name: value for name, value in known.items() if name in fields})
         if module.scope is None:  # created beforehand and registered
@@ -116,22 +94,26 @@ class Torso(nn.Module):
         features: Array = module(tokens)
         if features.ndim != 2 or features.shape[0] != tokens.shape[0]:
             raise ConfigError(
-                f"the network `{layers.network}` must return features [M, K] for tokens "
+                f"the network `{config.network}` must return features [M, K] for tokens "
                 f"[M, planes, rows, columns], here {tokens.shape}; it returned {features.shape}"
             )
         return features
 
 
-def dense(features: Array, layers: Layers) -> Array:
+def dense(features: Array, config: Config) -> Array:
     """Returns a hidden layer `[..., width]` of features, inside a module's `__call__`."""
-    layer = nn.Dense(layers.width, kernel_init=orthogonal(HIDDEN_GAIN), dtype=layers.dtype)
-    return activate(layer(features), layers)
+    layer = nn.Dense(
+        config.network_width,
+        kernel_init=orthogonal(HIDDEN_GAIN),
+        dtype=jnp.dtype(config.precision),
+    )
+    return activate(layer(features), config)
 
 
-def activate(features: Array, layers: Layers) -> Array:
-    """Returns the positive part of features, normalised if the layers are."""
-    if layers.norm:
-        features = nn.LayerNorm(dtype=layers.dtype)(features)
+def activate(features: Array, config: Config) -> Array:
+    """Returns the positive part of features, normalised if VDN's layers are."""
+    if isinstance(config, VDNConfig) and config.layer_norm:
+        features = nn.LayerNorm(dtype=jnp.dtype(config.precision))(features)
     return nn.relu(features)
 
 
@@ -179,7 +161,7 @@ class Head(nn.Module):
     """
 
     outputs: int
-    layers: Layers
+    config: Config
     gain: float
     hidden: bool = True
     normalised: bool = False
@@ -188,9 +170,12 @@ class Head(nn.Module):
     def __call__(self, features: Array) -> Array:
         """Returns float32 outputs `[..., outputs]`."""
         if self.hidden:
-            features = dense(features, self.layers)
+            features = dense(features, self.config)
         last = nn.Dense(
-            self.outputs, kernel_init=orthogonal(self.gain), dtype=self.layers.dtype, name="out"
+            self.outputs,
+            kernel_init=orthogonal(self.gain),
+            dtype=jnp.dtype(self.config.precision),
+            name="out",
         )
         outputs = last(features).astype(jnp.float32)
         if not self.normalised:
@@ -213,12 +198,8 @@ class ActorCritic(nn.Module):
     num_agents: int  # S
     planes: Planes
     joint_planes: Planes | None  # None: a local critic; (): joint is a vector
-    layers: Layers
-    recurrent: bool = False
-    reads: tuple[str, ...] = ()  # of the agents' last steps: `memory_reads`
+    config: PPOConfig
     numbers: int = 0  # N if the agents' numbers are an input, else 0
-    share_hidden: bool = False
-    normalise_values: bool = False
 
     @nn.compact
     def __call__(
@@ -241,32 +222,24 @@ class ActorCritic(nn.Module):
         Returns:
           the memory afterwards, logits `[L, M, S, A]`, values `[L, M, S]`.
         """
-        critic = partial(
-            Head,
-            layers=self.layers,
-            gain=CRITIC_GAIN,
-            hidden=not self.share_hidden,
-            normalised=self.normalise_values,
-            name="critic",
-        )
-        features = Torso(self.planes, self.layers, name="torso")(observation)
+        config = self.config
+        head = partial(Head, config=config, hidden=not config.share_hidden)
+        critic = partial(head, gain=CRITIC_GAIN, normalised=config.normalise_values, name="critic")
+        features = Torso(self.planes, config, name="torso")(observation)
         features = with_numbers(features, agents, self.numbers)
-        if self.reads:
+        if config.memory_reads:
             last = last_step_features(memory["last"], fresh, self.num_actions, features.dtype)
             features = jnp.concatenate([features, last], axis=-1)
         of_agents = jnp.broadcast_to(fresh[..., None], features.shape[:-1])
         memory, features = self._remember("memory", memory, features, of_agents)
-        if self.share_hidden:
-            features = dense(features, self.layers)
-        actor = Head(
-            self.num_actions, self.layers, ACTOR_GAIN, hidden=not self.share_hidden, name="actor"
-        )
-        logits = actor(features)
+        if config.share_hidden:
+            features = dense(features, config)
+        logits = head(self.num_actions, gain=ACTOR_GAIN, name="actor")(features)
         if self.joint_planes is None:
             return memory, logits, critic(1)(features)[..., 0]
         assert joint is not None
-        features = Torso(self.joint_planes, self.layers, name="critic_torso")(joint)
-        if self.reads:
+        features = Torso(self.joint_planes, config, name="critic_torso")(joint)
+        if config.memory_reads:
             of_all = last.reshape(*last.shape[:2], -1)
             features = jnp.concatenate([features, of_all], axis=-1)
         memory, features = self._remember("critic_memory", memory, features, fresh)
@@ -276,23 +249,26 @@ class ActorCritic(nn.Module):
         self, name: str, memory: Memory, features: Array, fresh: Array
     ) -> tuple[Memory, Array]:
         """Returns the memory and the features after a recurrence; both as they are without one."""
-        if not self.recurrent:
+        config = self.config
+        if config.memory == "none":
             return memory, features
-        recurrence = Recurrence(self.layers.width, self.layers.dtype, name=name)
+        recurrence = Recurrence(config.network_width, jnp.dtype(config.precision), name=name)
         after, features = recurrence(memory[name], (features, fresh))
         return {**memory, name: after}, features
 
     def start_memory(self, num_envs: int) -> Memory:
         """Returns the memory before the first step of M environments."""
-        if not self.recurrent:
+        config = self.config
+        if config.memory == "none":
             return ()
-        width = self.layers.width
-        dtype = self.layers.dtype
+        width = config.network_width
+        dtype = jnp.dtype(config.precision)
         memory: dict[str, Any] = {"memory": jnp.zeros((num_envs, self.num_agents, width), dtype)}
         if self.joint_planes is not None:
             memory["critic_memory"] = jnp.zeros((num_envs, width), dtype)
-        if self.reads:
-            memory["last"] = blank_last_step(self.reads, (num_envs, 1, self.num_agents))
+        if config.memory_reads:
+            shape = (num_envs, 1, self.num_agents)
+            memory["last"] = blank_last_step(config.memory_reads, shape)
         return memory
 
 
@@ -301,12 +277,12 @@ class ActionValues(nn.Module):
 
     num_actions: int
     planes: Planes
-    layers: Layers
+    config: VDNConfig
     numbers: int = 0  # N if the agents' numbers are an input, else 0
 
     @nn.compact
     def __call__(self, observation: Array) -> Array:
         """Returns `[..., N, A]` float32 for the observations `[..., N, P, V, V]` of all agents."""
-        features = Torso(self.planes, self.layers, name="torso")(observation)
+        features = Torso(self.planes, self.config, name="torso")(observation)
         features = with_numbers(features, jnp.arange(self.numbers), self.numbers)
-        return Head(self.num_actions, self.layers, CRITIC_GAIN, name="values")(features)
+        return Head(self.num_actions, self.config, CRITIC_GAIN, name="values")(features)

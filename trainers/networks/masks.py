@@ -43,15 +43,3 @@ def draw_any(key: Array, shape: tuple[int, ...], num_actions: int, allowed: Arra
         return jax.random.randint(key, shape, 0, num_actions, jnp.int32)
     equal = jnp.zeros(allowed.shape, jnp.float32)
     return jax.random.categorical(key, masked(equal, allowed)).astype(jnp.int32)
-
-
-def pack_mask(allowed: Array | None) -> Array | None:
-    """Returns masks `[..., A]` bool as bits `[..., bytes]` uint8, to be stored."""
-    return None if allowed is None else jnp.packbits(allowed, axis=-1)
-
-
-def unpack_mask(packed: Array | None, num_actions: int) -> Array | None:
-    """Returns the masks that `pack_mask` packed."""
-    if packed is None:
-        return None
-    return jnp.unpackbits(packed, axis=-1, count=num_actions).astype(bool)

@@ -8,23 +8,27 @@ several times as fast as the product (docs/performance.md). GPUs are better at p
 
 import math
 from collections.abc import Callable
-from functools import cache, partial
+from functools import partial
 from typing import Any
 
 import flax.linen as nn
 import jax
 import jax.numpy as jnp
 from jax import Array
+from jax.custom_batching import sequential_vmap
 
 from sjdsl.runtime.tokens import to_channels
 
 from .initialisation import orthogonal
-from .window_rows import Planes, groups_of, make_tables, row_numbers, rows_by_plane, rows_of
+from .kernel_by_kernel import kernel_by_kernel
+from .window_tables import Planes, groups_of, make_table, row_numbers, rows_by_plane, rows_of
 
 # Numbers in a row of a matrix, or a multiple of them: for a GPU, XLA copies other rows to longer
 # ones.
 ALIGNED = 8
 CELLS = 4  # cells whose rows are added in one pass over the windows; measured (docs/performance.md)
+
+Linear = Callable[[Array, Array], Array]  # of an array and of windows; linear in the array
 
 
 class WindowLayer(nn.Module):
@@ -78,7 +82,6 @@ def _taken(tokens: Array, places: list[int]) -> Array:
     return jnp.concatenate([tokens[:, place : place + 1] for place in places], axis=1)
 
 
-@partial(jax.custom_vjp, nondiff_argnums=(2,))
 def weigh(kernel: Array, tokens: Array, planes: Planes) -> Array:
     """Returns the channels of windows times a kernel: `[M, K]` of the kernel's dtype.
 
@@ -86,59 +89,51 @@ def weigh(kernel: Array, tokens: Array, planes: Planes) -> Array:
       kernel: `[C * V * V, K]`.
       tokens: `[M, P, V, V]` uint8.
     """
+    return _with_transpose(partial(_weigh, planes=planes), partial(_transpose, planes=planes))(
+        kernel, tokens
+    )
+
+
+def _with_transpose(function: Linear, transpose: Linear) -> Linear:
+    """Returns a linear function whose gradient is its transpose, and the other way round."""
+
+    @jax.custom_vjp
+    def apply(array: Array, tokens: Array) -> Array:
+        return function(array, tokens)
+
+    def forward(array: Array, tokens: Array) -> tuple[Array, Array]:
+        return apply(array, tokens), tokens
+
+    def backward(tokens: Array, gradient: Array) -> tuple[Array, None]:
+        return _with_transpose(transpose, function)(gradient, tokens), None
+
+    apply.defvjp(forward, backward)
+    result: Linear = apply
+    return result
+
+
+def _weigh(kernel: Array, tokens: Array, planes: Planes) -> Array:
     result: Array = jax.lax.platform_dependent(
-        kernel,
         tokens,
-        cpu=partial(look_up, planes=planes),
+        kernel,
+        cpu=kernel_by_kernel(partial(look_up, planes=planes)),
         default=partial(_multiply, planes=planes, multiple=ALIGNED),
     )
     return result
 
 
-def _forward(kernel: Array, tokens: Array, planes: Planes) -> tuple[Array, tuple[Array, Array]]:
-    return weigh(kernel, tokens, planes), (kernel, tokens)
-
-
-def _backward(planes: Planes, inputs: tuple[Array, Array], gradient: Array) -> tuple[Array, None]:
-    kernel, tokens = inputs
-    return weigh_gradient(gradient, tokens, planes).astype(kernel.dtype), None
-
-
-weigh.defvjp(_forward, _backward)
-
-
-@partial(jax.custom_vjp, nondiff_argnums=(2,))
-def weigh_gradient(gradient: Array, tokens: Array, planes: Planes) -> Array:
-    """Returns the kernel's gradient `[C * V * V, K]` float32 from the result's `[M, K]`.
-
-    It is the transpose of `weigh`, and vice versa.
-    """
-    result: Array = jax.lax.platform_dependent(
+def _transpose(gradient: Array, tokens: Array, planes: Planes) -> Array:
+    """Returns the kernel's gradient `[C * V * V, K]` from that of the result, `[M, K]`."""
+    of_kernel: Array = jax.lax.platform_dependent(
         tokens,
         gradient,
-        cpu=partial(look_up_gradient, planes=planes),
+        cpu=sequential_vmap(partial(look_up_gradient, planes=planes)),
         default=partial(_multiply_gradient, planes=planes, multiple=ALIGNED),
     )
-    return result
+    return of_kernel.astype(gradient.dtype)
 
 
-def _forward_gradient(
-    gradient: Array, tokens: Array, planes: Planes
-) -> tuple[Array, tuple[Array, Array]]:
-    return weigh_gradient(gradient, tokens, planes), (gradient, tokens)
-
-
-def _backward_gradient(
-    planes: Planes, inputs: tuple[Array, Array], of_kernel: Array
-) -> tuple[Array, None]:
-    gradient, tokens = inputs
-    return weigh(of_kernel.astype(gradient.dtype), tokens, planes), None
-
-
-weigh_gradient.defvjp(_forward_gradient, _backward_gradient)
-
-
-def _multiply(kernel: Array, tokens: Array, planes: Planes, multiple: int = 1) -> Array:
+def _multiply(tokens: Array, kernel: Array, planes: Planes, multiple: int = 1) -> Array:
     rows = jnp.pad(kernel, ((0, -kernel.shape[0] % multiple), (0, 0)))
     return _channels(tokens, planes, kernel.dtype, multiple) @ rows
 
@@ -157,147 +152,60 @@ def _channels(tokens: Array, planes: Planes, dtype: Any, multiple: int) -> Array
     return jnp.pad(flat, ((0, 0), (0, -flat.shape[1] % multiple)))
 
 
-def look_up(kernel: Array, tokens: Array, planes: Planes) -> Array:
+def look_up(tokens: Array, kernel: Array, planes: Planes) -> Array:
     """Computes `weigh` by lookups, with sums in float32."""
-    result: Array = _look_up(planes)(kernel[None], tokens[None])[0]
-    return result
+    windows = tokens.shape[0]
+    width = kernel.shape[-1]
+    cells = tokens.reshape(*tokens.shape[:2], -1)
+    by_channel = kernel.astype(jnp.float32).reshape(-1, cells.shape[-1], width)
+    rows = rows_by_plane(by_channel, planes)
+    result = jnp.zeros((windows, width), jnp.float32)
+    for group in groups_of(planes, windows):
+        make_tables = jax.vmap(partial(make_table, group=group, planes=planes), in_axes=1)
+        result = _add_rows(result, make_tables(rows), row_numbers(cells, group, planes))
+    for place in _number_planes(planes):
+        of_plane = (planes[place],)
+        result = result + _multiply(tokens[:, place : place + 1], rows[place][0], of_plane)
+    return result.astype(kernel.dtype)
 
 
 def look_up_gradient(tokens: Array, gradient: Array, planes: Planes) -> Array:
-    """Computes `weigh_gradient` by lookups."""
-    result: Array = _look_up_gradient(planes)(tokens[None], gradient[None])[0]
-    return result
+    """Returns the kernel's gradient `[C * V * V, K]` float32 by lookups.
 
-
-@cache
-def _look_up(planes: Planes) -> Callable[[Array, Array], Array]:
-    """Returns the lookups of G networks, `[G, M, K]`.
-
-    They take kernels `[G, C * V * V, K]` and windows `[G, M, P, V, V]`. Under `vmap` the new axis
-    becomes more networks: XLA would give tables with a leading axis another layout, and copy them
-    in every step.
+    The gradient of each window is added to the rows that its tokens select.
     """
+    windows, width = gradient.shape
+    cells = tokens.reshape(*tokens.shape[:2], -1)
+    gradient = gradient.astype(jnp.float32)
+    groups = groups_of(planes, windows)
+    # One array for each plane: the transpose of slices of a single array would be a sum of as many
+    # arrays of all channels.
+    of_cell = [jax.ShapeDtypeStruct((len(plane.channels), width), jnp.float32) for plane in planes]
+    # Tables are sums of rows, so the transpose of making them takes gradients of tables to
+    # gradients of rows.
+    to_rows = jax.linear_transpose(
+        lambda rows: [make_table(rows, group, planes) for group in groups], of_cell
+    )
 
-    @jax.custom_batching.custom_vmap
-    def look_up(kernels: Array, tokens: Array) -> Array:
-        """Adds up the rows that the tokens of each window select."""
-        number, windows = tokens.shape[:2]
-        cells = _by_cell(tokens)
-        width = kernels.shape[-1]
-        by_channel = _by_channel(kernels, cells.shape[-1]).astype(jnp.float32)
-        rows = rows_by_plane(by_channel, planes)
-        result = jnp.zeros((number * windows, width), jnp.float32)
-        for group in groups_of(planes, windows):
-            tables = make_tables(rows, group, planes)
-            result = _add_rows(result, tables, row_numbers(cells, group, planes))
-        result = result.reshape(number, windows, width)
-        for place in _number_planes(planes):
-            of_plane = jnp.moveaxis(rows[place][0], 1, 0)
-            multiply = jax.vmap(partial(_multiply, planes=(planes[place],)))
-            result = result + multiply(of_plane, tokens[:, :, place : place + 1])
-        return result.astype(kernels.dtype)
+    def add_cell(_: None, chosen: list[Array]) -> tuple[None, list[Array]]:
+        """Returns the gradients of one cell's rows, `[L, K]` of each plane.
 
-    @look_up.def_vmap
-    def look_up_more(
-        size: int, batched: list[bool], kernels: Array, tokens: Array
-    ) -> tuple[Array, bool]:
-        """Looks up under `vmap`: a batch of kernels is more networks, a batch of windows is more
-        windows.
+        chosen: of each group of planes, the row that each window selects, `[M]`.
         """
-        kernels_batched, tokens_batched = batched
-        if kernels_batched:
-            all_kernels = _merge(kernels, True, size)
-            result = look_up(all_kernels, _merge(tokens, tokens_batched, size))
-            return _split(result, size), True
-        windows = jnp.moveaxis(tokens, 0, 1)  # of the same networks
-        networks, _, number = windows.shape[:3]
-        result = look_up(kernels, windows.reshape(networks, size * number, *windows.shape[3:]))
-        return jnp.moveaxis(result.reshape(networks, size, number, -1), 1, 0), True
+        tables = []
+        for group, numbers in zip(groups, chosen, strict=True):
+            table = jnp.zeros((rows_of(group, planes), width), jnp.float32)
+            tables.append(table.at[numbers].add(gradient, mode="drop"))
+        (of_planes,) = to_rows(tables)
+        return None, of_planes
 
-    return look_up
-
-
-@cache
-def _look_up_gradient(planes: Planes) -> Callable[[Array, Array], Array]:
-    """Returns the gradients of the lookups of G networks, `[G, C * V * V, K]`.
-
-    They take windows `[G, M, P, V, V]` and gradients `[G, M, K]`.
-    """
-
-    @jax.custom_batching.custom_vmap
-    def look_up_gradient(tokens: Array, gradients: Array) -> Array:
-        """Adds each window's gradient to the rows that its tokens select."""
-        number, windows, width = gradients.shape
-        cells = _by_cell(tokens)
-        gradients = gradients.astype(jnp.float32)
-        groups = groups_of(planes, windows)
-        flat = gradients.reshape(number * windows, width)
-        # One array for each plane: the transpose of slices of a single array would be a sum of as
-        # many arrays of all channels.
-        of_cell = [
-            jax.ShapeDtypeStruct((len(plane.channels), 1, number, width), jnp.float32)
-            for plane in planes
-        ]
-        # Tables are sums of rows, so the transpose of making them takes gradients of tables to
-        # gradients of rows.
-        to_rows = jax.linear_transpose(
-            lambda rows: [make_tables(rows, group, planes) for group in groups], of_cell
-        )
-
-        def add_cell(_: None, chosen: list[Array]) -> tuple[None, list[Array]]:
-            """Returns the gradients of one cell's rows, `[L, G, K]` of each plane.
-
-            chosen: of each group of planes, the row that each window selects, `[G * M]`.
-            """
-            tables = []
-            for group, numbers in zip(groups, chosen, strict=True):
-                table = jnp.zeros((number * rows_of(group, planes), width), jnp.float32)
-                tables.append(table.at[numbers].add(flat, mode="drop")[None])
-            (of_planes,) = to_rows(tables)
-            return None, [of_plane[:, 0] for of_plane in of_planes]
-
-        chosen = [row_numbers(cells, group, planes) for group in groups]
-        _, by_cell = jax.lax.scan(add_cell, None, chosen, length=cells.shape[-1])
-        # [L, cells, G, K] of each plane
-        of_rows = [jnp.moveaxis(of_plane, 0, 1) for of_plane in by_cell]
-        for place in _number_planes(planes):
-            multiply = jax.vmap(partial(_multiply_gradient, planes=(planes[place],)))
-            of_plane = multiply(tokens[:, :, place : place + 1], gradients)
-            of_rows[place] = jnp.moveaxis(of_plane, 1, 0)[None]
-        return jnp.moveaxis(jnp.concatenate(of_rows), 2, 0).reshape(number, -1, width)
-
-    @look_up_gradient.def_vmap
-    def look_up_more(
-        size: int, batched: list[bool], tokens: Array, gradients: Array
-    ) -> tuple[Array, bool]:
-        """Looks up under `vmap`: the batch is more networks."""
-        tokens_batched, gradients_batched = batched
-        all_tokens = _merge(tokens, tokens_batched, size)
-        all_gradients = _merge(gradients, gradients_batched, size)
-        return _split(look_up_gradient(all_tokens, all_gradients), size), True
-
-    return look_up_gradient
-
-
-def _merge(array: Array, batched: bool, size: int) -> Array:
-    """Returns an array `[G, ...]`, or if batched `[size, G, ...]`, as `[size * G, ...]`."""
-    whole = array if batched else jnp.broadcast_to(array, (size, *array.shape))
-    return whole.reshape(size * whole.shape[1], *whole.shape[2:])
-
-
-def _split(array: Array, size: int) -> Array:
-    """Returns an array `[size * G, ...]` as `[size, G, ...]`."""
-    return array.reshape(size, array.shape[0] // size, *array.shape[1:])
-
-
-def _by_channel(kernels: Array, cells: int) -> Array:
-    """Returns kernels `[G, C * cells, K]` as `[C, cells, G, K]`."""
-    return jnp.moveaxis(kernels.reshape(kernels.shape[0], -1, cells, kernels.shape[-1]), 0, 2)
-
-
-def _by_cell(tokens: Array) -> Array:
-    """Returns windows `[G, M, P, V, V]` as `[G, M, P, cells]`."""
-    return tokens.reshape(*tokens.shape[:3], math.prod(tokens.shape[3:]))
+    chosen = [row_numbers(cells, group, planes) for group in groups]
+    _, by_cell = jax.lax.scan(add_cell, None, chosen, length=cells.shape[-1])
+    of_rows = [jnp.moveaxis(of_plane, 0, 1) for of_plane in by_cell]  # [L, cells, K] of each plane
+    for place in _number_planes(planes):
+        of_plane = (planes[place],)
+        of_rows[place] = _multiply_gradient(tokens[:, place : place + 1], gradient, of_plane)[None]
+    return jnp.concatenate(of_rows).reshape(-1, width)
 
 
 def _number_planes(planes: Planes) -> list[int]:

@@ -56,12 +56,8 @@ def difference(first: np.ndarray, second: np.ndarray, confidence: float = 0.95) 
     mean = float(first.mean() - second.mean())
     if min(len(first), len(second)) < 2:
         return Estimate(mean, -math.inf, math.inf)
-    variance_of_first = float(first.var(ddof=1)) / len(first)
-    variance_of_second = float(second.var(ddof=1)) / len(second)
-    variance = variance_of_first + variance_of_second
-    if variance == 0:
+    if np.ptp(first) == np.ptp(second) == 0:
         return Estimate(mean, mean, mean)
-    parts = variance_of_first**2 / (len(first) - 1) + variance_of_second**2 / (len(second) - 1)
-    quantile = stats.t.ppf(0.5 + confidence / 2, variance**2 / parts)
-    margin = float(quantile * math.sqrt(variance))
-    return Estimate(mean, mean - margin, mean + margin)
+    welch = stats.ttest_ind(first, second, equal_var=False)
+    low, high = welch.confidence_interval(confidence)
+    return Estimate(mean, float(low), float(high))

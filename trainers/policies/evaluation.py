@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, Protocol, cast
+from typing import Any, Protocol
 
 import flax
 import jax
@@ -15,10 +15,10 @@ from sjdsl.runtime.policy import take_actions
 from sjdsl.runtime.returns import collective_return, equality
 
 from ..algorithms.episodes import EpisodeSums, add_step, zero_sums
-from ..environment import Environment, MaskedEnvironment, trial_ended, where_env
+from ..environment import Environment, trial_ended, where_env
 from ..json_files import write_json
 from .estimates import Estimate, estimate
-from .loading import Policy, with_memory
+from .loading import MemoryPolicy, Policy, with_memory
 
 
 @dataclass(frozen=True)
@@ -104,20 +104,24 @@ def make_evaluator(
       memory_of: returns the initial memories `[E, ...]` of the episodes; None: the policy's
         `start`.
     """
-    together = _Together(env, policy_of, num_episodes, memory_of)
 
     @jax.jit
     def play(key: Array, parameters: Any) -> EpisodeSums:
         """Returns the sums over each episode, arrays `[E, ...]`."""
+        policy = with_memory(policy_of(parameters))
 
         def is_running(carry: tuple[Array, _Episodes]) -> Array:
             _, episodes = carry
             return ~episodes.over.all()
 
         def advance(carry: tuple[Array, _Episodes]) -> tuple[Array, _Episodes]:
-            return together.advance(parameters, carry, None)[0]
+            key, episodes = carry
+            key, step_key = jax.random.split(key)
+            return key, _advance(env, policy, step_key, episodes, None)[0]
 
-        _, end = jax.lax.while_loop(is_running, advance, together.start(key, parameters))
+        reset_key, key = jax.random.split(key)
+        start = _start(env, policy, reset_key, num_episodes, memory_of and memory_of(parameters))
+        _, end = jax.lax.while_loop(is_running, advance, (key, start))
         return end.sums
 
     return lambda key, parameters: _evaluation(play(key, parameters))
@@ -133,22 +137,38 @@ def make_host_evaluator(
 
     With a chooser that leaves all agents to the policy, it plays the same actions and states.
     """
-    together = _Together(env, policy_of, num_episodes, memory_of)
-    start = jax.jit(together.start)
-    advance = jax.jit(together.advance)
-    allowed = jax.jit(together.allowed)
+
+    @jax.jit
+    def start(key: Array, parameters: Any) -> _Episodes:
+        policy = with_memory(policy_of(parameters))
+        return _start(env, policy, key, num_episodes, memory_of and memory_of(parameters))
+
+    @jax.jit
+    def advance(
+        parameters: Any, key: Array, episodes: _Episodes, chosen: Array
+    ) -> tuple[_Episodes, tuple[Array, Array]]:
+        return _advance(env, with_memory(policy_of(parameters)), key, episodes, chosen)
+
+    @jax.jit
+    def allowed_in(state: Any) -> Array:
+        """Returns which actions each agent may take, `[E, N, A]` bool."""
+        if hasattr(env, "allowed_actions"):
+            allowed: Array = jax.vmap(env.allowed_actions)(state)
+            return allowed
+        return jnp.ones((num_episodes, env.num_agents, env.num_actions), bool)
 
     def evaluate_parameters(key: Array, parameters: Any, chooser: Chooser) -> Evaluation:
-        carry = start(key, parameters)
+        reset_key, key = jax.random.split(key)
+        episodes = start(reset_key, parameters)
         over = np.zeros(num_episodes, bool)
         while not over.all():
-            _, episodes = carry
             seen = np.asarray(episodes.observation)
-            chosen = chooser.choose(seen, np.asarray(allowed(episodes.state)), over)
-            carry, (reward, ended) = advance(parameters, carry, chosen)
-            over = np.asarray(carry[1].over)
+            chosen = chooser.choose(seen, np.asarray(allowed_in(episodes.state)), over)
+            key, step_key = jax.random.split(key)
+            episodes, (reward, ended) = advance(parameters, step_key, episodes, chosen)
+            over = np.asarray(episodes.over)
             chooser.learn(np.asarray(reward), np.asarray(ended), over)
-        return _evaluation(carry[1].sums)
+        return _evaluation(episodes.sums)
 
     return evaluate_parameters
 
@@ -161,7 +181,7 @@ def _evaluation(sums_on_device: EpisodeSums) -> Evaluation:
         events=sums.events,
         metric_means=sums.metric_means,
         metric_finals=sums.metric_finals,
-        by_trial={} if sums.trials is None else sums.trials.figures(),
+        by_trial=sums.by_trial,
     )
 
 
@@ -176,73 +196,52 @@ class _Episodes:
     over: Array  # [E] bool
 
 
-@dataclass(frozen=True)
-class _Together:
-    """Plays E episodes side by side; the fields are the arguments of `make_evaluator`."""
+def _start(
+    env: Environment, policy: MemoryPolicy, key: Array, num_episodes: int, memory: Any
+) -> _Episodes:
+    """Returns the episodes before their first step; `memory` None: as the policy starts."""
+    observation, state = jax.vmap(env.reset)(jax.random.split(key, num_episodes))
+    return _Episodes(
+        state=state,
+        observation=observation,
+        memory=policy.starts(num_episodes) if memory is None else memory,
+        sums=zero_sums(env, num_episodes),
+        over=jnp.zeros(num_episodes, bool),
+    )
 
-    env: Environment
-    policy_of: Callable[[Any], Policy]
-    num_episodes: int
-    memory_of: Callable[[Any], Any] | None
 
-    def start(self, key: Array, parameters: Any) -> tuple[Array, _Episodes]:
-        """Returns the key of the steps and the episodes before the first one."""
-        policy = with_memory(self.policy_of(parameters))
-        memory = self.memory_of(parameters) if self.memory_of else policy.starts(self.num_episodes)
-        reset_key, loop_key = jax.random.split(key)
-        observation, state = jax.vmap(self.env.reset)(
-            jax.random.split(reset_key, self.num_episodes)
-        )
-        episodes = _Episodes(
-            state=state,
-            observation=observation,
-            memory=memory,
-            sums=zero_sums(self.env, self.num_episodes),
-            over=jnp.zeros(self.num_episodes, bool),
-        )
-        return loop_key, episodes
+def _advance(
+    env: Environment, policy: MemoryPolicy, key: Array, before: _Episodes, chosen: Array | None
+) -> tuple[_Episodes, tuple[Array, Array]]:
+    """Plays one step of all episodes; those that are over stay as they are.
 
-    def allowed(self, state: Any) -> Array:
-        """Returns which actions each agent may take, `[E, N, A]` bool."""
-        if hasattr(self.env, "allowed_actions"):
-            return jax.vmap(cast(MaskedEnvironment, self.env).allowed_actions)(state)
-        return jnp.ones((self.num_episodes, self.env.num_agents, self.env.num_actions), bool)
+    Args:
+      chosen: `[E, N]` int32, actions that replace the policy's where they aren't negative.
+    Returns:
+      the episodes afterwards, and of the step the rewards `[E, N]` and whether it ended a trial,
+      `[E]` bool.
+    """
 
-    def advance(
-        self, parameters: Any, carry: tuple[Array, _Episodes], chosen: Array | None
-    ) -> tuple[tuple[Array, _Episodes], tuple[Array, Array]]:
-        """Plays one step of all episodes; those that are over stay as they are.
+    def play_step(
+        key: Array, state: Any, memory: Any, observation: Array, chosen: Array | None
+    ) -> tuple[Any, tuple[Array, Any, Array, Array, dict[str, Any]]]:
+        """Plays one step of one episode; returns the policy's memory and what the step gave."""
+        action_key, env_key = jax.random.split(key)
+        memory, actions = take_actions(env, policy, memory, action_key, observation, state)
+        if chosen is not None:
+            actions = jnp.where(chosen >= 0, chosen, actions)
+        stepped = env.step_env(env_key, state, actions)
+        _, _, reward, _, info = stepped
+        return policy.after_step(memory, actions, reward, info), stepped
 
-        Args:
-          chosen: `[E, N]` int32, actions that replace the policy's where they aren't negative.
-        Returns:
-          the key and the episodes afterwards, and of the step the rewards `[E, N]` and whether it
-          ended a trial, `[E]` bool.
-        """
-        policy = with_memory(self.policy_of(parameters))
-
-        def play_step(
-            key: Array, state: Any, memory: Any, observation: Array, chosen: Array | None
-        ) -> tuple[Any, tuple[Array, Any, Array, Array, dict[str, Any]]]:
-            """Plays one step of one episode; returns the policy's memory and what the step gave."""
-            action_key, env_key = jax.random.split(key)
-            memory, actions = take_actions(self.env, policy, memory, action_key, observation, state)
-            if chosen is not None:
-                actions = jnp.where(chosen >= 0, chosen, actions)
-            stepped = self.env.step_env(env_key, state, actions)
-            _, _, reward, _, info = stepped
-            return policy.after_step(memory, actions, reward, info), stepped
-
-        key, before = carry
-        key, step_key = jax.random.split(key)
-        keys = jax.random.split(step_key, self.num_episodes)
-        memory, stepped = jax.vmap(play_step)(
-            keys, before.state, before.memory, before.observation, chosen
-        )
-        observation, state, reward, done, info = stepped
-        sums = add_step(before.sums, reward, reward, info)
-        after = _Episodes(state, observation, memory, sums, done)
-        return (key, where_env(before.over, before, after)), (reward, trial_ended(info))
+    keys = jax.random.split(key, len(before.over))
+    memory, stepped = jax.vmap(play_step)(
+        keys, before.state, before.memory, before.observation, chosen
+    )
+    observation, state, reward, done, info = stepped
+    sums = add_step(before.sums, reward, reward, info)
+    after = _Episodes(state, observation, memory, sums, done)
+    return where_env(before.over, before, after), (reward, trial_ended(info))
 
 
 def summarise(evaluation: Evaluation) -> dict[str, Estimate]:

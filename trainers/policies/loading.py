@@ -186,8 +186,6 @@ def trained_policy(
             policy = _actor_policy(env, config, parameters, bool(greedy))
         case VDNConfig():
             policy = _value_policy(env, config, parameters, greedy is None or greedy)
-        case _:
-            raise TypeError(f"no algorithm takes a {type(config).__name__}")
     return with_partners(env, config, policy)
 
 
@@ -204,13 +202,13 @@ def _actor_policy(env: Environment, config: PPOConfig, parameters: Any, greedy: 
     networks = make_actor_critics(env, config)
 
     def act(
-        memory: Any, key: Array, observation: Array, allowed: Array | None
+        memory: Any, key: Array, observation: Array, allowed: Array | None = None
     ) -> tuple[Any, Array]:
         """Returns the memory afterwards and an action for each agent, `[N]` int32."""
         # An episode starts with the memory `start`, so no step has to reset it.
         never_reset = jnp.zeros((1, 1), bool)
         memory, logits, _ = networks.apply(
-            parameters, memory, observation[None, None], networks.blank_joint(), never_reset
+            parameters, memory, observation[None, None], networks.blank_joint, never_reset
         )
         logits = masked(logits[0, 0], allowed)
         action = jnp.argmax(logits, axis=-1) if greedy else jax.random.categorical(key, logits)
@@ -231,7 +229,7 @@ def _value_policy(env: Environment, config: VDNConfig, parameters: Any, greedy: 
     network = make_action_values(env, config)
 
     def act(
-        memory: Any, key: Array, observation: Array, allowed: Array | None
+        memory: Any, key: Array, observation: Array, allowed: Array | None = None
     ) -> tuple[Any, Array]:
         """Returns the action of each agent, `[N]` int32; there is no memory."""
         values = cast(Array, network.apply(parameters, observation))
@@ -243,21 +241,15 @@ def _value_policy(env: Environment, config: VDNConfig, parameters: Any, greedy: 
 
 
 def _simplest_policy(
-    start: Any,
-    act: Callable[[Any, Array, Array, Array | None], tuple[Any, Array]],
-    reads_allowed: bool,
+    start: Any, act: Callable[..., tuple[Any, Array]], reads_allowed: bool
 ) -> Policy:
     """Returns a policy in its simplest form.
 
     It is a function of key and observation if it has no memory and needs no masks.
     """
-    if reads_allowed:
-        return MemoryPolicy(start, act, reads_allowed=True)
-    if jax.tree.leaves(start):
-        return MemoryPolicy(
-            start, lambda memory, key, observation: act(memory, key, observation, None)
-        )
-    return lambda key, observation: act(start, key, observation, None)[1]
+    if reads_allowed or jax.tree.leaves(start):
+        return MemoryPolicy(start, act, reads_allowed)
+    return lambda key, observation: act(start, key, observation)[1]
 
 
 def parameter_shapes(env: Environment, config: Config) -> Any:
@@ -325,16 +317,10 @@ def load_parameters(name: str, env: Environment, config: Config) -> Any:
     """Returns the parameters of the policy that a run with `config` starts from.
 
     Raises:
-      ConfigError: it isn't a stored policy, or its networks differ from the run's.
-      PolicyError: it can't be read.
+      ConfigError: its networks differ from the run's.
+      PolicyError: it isn't a stored policy, or can't be read.
     """
-    path, which = split_name(name)
-    if not path.exists():
-        raise ConfigError(
-            "`init_from` must be the folder of a run, RUN@best, RUN@UPDATE, or a .safetensors "
-            f"file; there is no `{name}`"
-        )
-    file = policy_path(path, which)
+    file = policy_path(*split_name(name))
     parameters, described = read_parameters(file, env)
     stored = described.config
     is_own_algorithm = "algorithm" in config.hooks

@@ -13,7 +13,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array
-from jax.tree_util import keystr, tree_flatten_with_path
+from jax.tree_util import keystr, tree_flatten_with_path, tree_map_with_path
 from safetensors import safe_open
 from safetensors.numpy import save
 
@@ -85,20 +85,13 @@ class Checkpoints:
             raise CheckpointError(f"{path} can't be read: {error}") from None
         if digest_of(arrays) != digest:
             raise CheckpointError(f"{path} is damaged: its arrays aren't those that were written")
-        wanted = _named_arrays(like)
-        if _dtypes_and_shapes(arrays) != _dtypes_and_shapes(wanted):
+        if _dtypes_and_shapes(arrays) != _dtypes_and_shapes(_named_arrays(like)):
             raise CheckpointError(
                 f"{path} can't be read: its arrays have other names, shapes or dtypes than this run's"
             )
-        leaves, structure = tree_flatten_with_path(like)
-        restored = []
-        for place, leaf in leaves:
-            name = keystr(place)
-            array = _place_like(arrays[name], wanted[name])
-            if _is_key(leaf):
-                array = jax.random.wrap_key_data(array, impl=jax.random.key_impl(leaf))
-            restored.append(array)
-        return jax.tree.unflatten(structure, restored)
+        return tree_map_with_path(
+            lambda place, leaf: _place_like(arrays[keystr(place)], leaf), like
+        )
 
     def restore_last(self, start: TrainState) -> tuple[TrainState, int]:
         """Returns the state after the last checkpoint that can be read, and its update; `start` and 0 without one.
@@ -137,5 +130,9 @@ def _dtypes_and_shapes(arrays: Mapping[str, Any]) -> dict[str, tuple[str, tuple[
 
 
 def _place_like(array: np.ndarray, like: Array) -> Array:
-    """Returns an array on the devices, and in the parts, of `like`."""
+    """Returns an array on the devices, and in the parts, of `like`; random keys from their words."""
+    if _is_key(like):
+        words = _place_like(array, jax.random.key_data(like))
+        key: Array = jax.random.wrap_key_data(words, impl=jax.random.key_impl(like))
+        return key
     return jax.make_array_from_callback(array.shape, like.sharding, lambda index: array[index])

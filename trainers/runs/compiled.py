@@ -173,18 +173,16 @@ def free_memory() -> float:
     It is of its first device, or of the machine if that is a CPU. They are infinite if the device
     doesn't say.
     """
-    device = jax.local_devices()[0]
-    if device.platform == "cpu":
+    if jax.default_backend() == "cpu":
         return float(psutil.virtual_memory().available)
-    memory = device.memory_stats() or {}
+    memory = jax.local_devices()[0].memory_stats() or {}
     return float(memory.get("bytes_limit", math.inf) - memory.get("bytes_in_use", 0))
 
 
 def peak_megabytes() -> float:
     """Returns the peak memory of the first device so far, or of this process if that is a CPU."""
-    device = jax.local_devices()[0]
-    if device.platform != "cpu":
-        memory = device.memory_stats() or {}
+    if jax.default_backend() != "cpu":
+        memory = jax.local_devices()[0].memory_stats() or {}
         return float(memory.get("peak_bytes_in_use", 0)) / MEGABYTE
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     unit = 1 if sys.platform == "darwin" else 1024

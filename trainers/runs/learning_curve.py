@@ -60,21 +60,12 @@ def curve_panels(rows: Sequence[Row]) -> list[Panel]:
             for number, name in enumerate(names)
         ]
         panels += [
-            replace(panel, title=_agents_in(panel))
+            replace(panel, title=f"{panel.lines[0].label} to {panel.lines[-1].label}")
             for panel in split_lines(agents, "return of an agent in an episode")
         ]
     _, *later_stages = firsts.values()
     marks = tuple(row["env_steps"] for row in later_stages)
     return [replace(panel, marks=marks) for panel in panels]
-
-
-def _agents_in(panel: Panel) -> str:
-    """Returns `agents 0 to 3`, or `agent 4`."""
-    first = panel.lines[0].label
-    last = panel.lines[-1].label
-    if first == last:
-        return first
-    return f"{first.replace('agent', 'agents')} to {last.removeprefix('agent ')}"
 
 
 def _line(rows: Sequence[Row], name: str, label: str, colour: str) -> Line:

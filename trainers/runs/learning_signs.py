@@ -14,39 +14,17 @@ FIGURES = {"entropy": "entropy", "kl": "KL", "explained_variance": "explained va
 SHARE = 0.1  # of a run's updates, after which it should have learnt something
 
 
-@dataclass(frozen=True)
-class LearningWarning:
-    """A sign that a seed learns nothing, with what to change."""
-
-    sentence: str  # with `{}` in place of each figure
-    # not compared, as two seeds may have the same warning with different figures
-    figures: tuple[float, ...] = field(default=(), compare=False)
-    decimals: int = 1
-
-
-def said_once(by_seed: Mapping[int, Sequence[LearningWarning]]) -> list[str]:
-    """Returns the warnings of a run's seeds in words, each once.
-
-    A warning about several seeds has their numbers, and its figures as ranges.
+def said_once(by_seed: Mapping[int, Sequence[str]]) -> list[str]:
+    """Returns the warnings of a run's seeds, each once, with the seeds that it is about.
 
     Args:
       by_seed: the warnings of all seeds, also of those that have none.
     """
-    lines = []
     pairs = [(seed, warning) for seed, warnings in by_seed.items() for warning in warnings]
-    for warning, seeds in seeds_of_each(pairs).items():
-        of_seeds = [other.figures for _, other in pairs if other == warning]
-        ranges = [_range(figures, warning.decimals) for figures in zip(*of_seeds, strict=True)]
-        text = warning.sentence.format(*ranges)
-        lines.append(f"{seeds_in_words(seeds)}: {text}" if len(by_seed) > 1 else text)
-    return lines
-
-
-def _range(figures: Sequence[float], decimals: int) -> str:
-    """Returns `16.9 to 18.0`, or `18.0` if all are the same."""
-    least = f"{min(figures):.{decimals}f}"
-    most = f"{max(figures):.{decimals}f}"
-    return least if least == most else f"{least} to {most}"
+    seeds_of = seeds_of_each(pairs)
+    if len(by_seed) == 1:
+        return list(seeds_of)
+    return [f"{seeds_in_words(seeds)}: {warning}" for warning, seeds in seeds_of.items()]
 
 
 @dataclass
@@ -78,10 +56,10 @@ class Signs:
                 event = re.split(r"\[|_agent_", name.removeprefix("event_"))[0]
                 self.events[event] = self.events.get(event, 0.0) + number
 
-    def warnings(self, config: Config) -> Iterator[LearningWarning]:
-        """Yields a warning for each sign that nothing is learnt."""
+    def warnings(self, config: Config) -> Iterator[str]:
+        """Yields a warning for each sign that nothing is learnt, with what to change."""
         if not self.paid:
-            yield LearningWarning(
+            yield (
                 "no agent has been rewarded yet, so there is nothing to learn from. Try more "
                 "environments (num_envs), a larger entropy_coefficient, or a game in which the "
                 "first reward is easier to get"
@@ -90,24 +68,22 @@ class Signs:
         if config.reward == "common" and self.latest <= self.before_learning:
             # Agents that each seek their own reward may well earn less together than at random:
             # that is the dilemma.
-            yield LearningWarning(
-                "the collective return, {}, is not above what it was before learning, {}. Try more "
-                "gradient steps (num_minibatches), longer rollouts (num_steps) or another "
-                "learning_rate",
-                (self.latest, self.before_learning),
+            yield (
+                f"the collective return, {self.latest:.1f}, is not above what it was before "
+                f"learning, {self.before_learning:.1f}. Try more gradient steps (num_minibatches), "
+                "longer rollouts (num_steps) or another learning_rate"
             )
         if self.explained < 0:
             is_sum = config.reward == "common" and config.common_reward == "sum"
             mean = "common_reward=mean, " if is_sum else ""
-            yield LearningWarning(
-                "the critic predicts returns worse than their mean would (explained_variance is {} "
-                f"on average). Try {mean}a smaller gamma, or more gradient steps (num_minibatches)",
-                (self.explained / self.updates,),
-                decimals=2,
+            yield (
+                "the critic predicts returns worse than their mean would (explained_variance is "
+                f"{self.explained / self.updates:.2f} on average). Try {mean}a smaller gamma, or "
+                "more gradient steps (num_minibatches)"
             )
         never = [name for name, number in self.events.items() if number == 0]
         if never:
-            yield LearningWarning(
+            yield (
                 f"these events have never happened: {', '.join(never)}. "
                 "Agents cannot learn from them: try a larger entropy_coefficient"
             )

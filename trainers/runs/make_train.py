@@ -2,21 +2,17 @@
 
 from dataclasses import replace
 from functools import partial
-from typing import get_args
 
 import jax
 import jax.numpy as jnp
 
 from ..algorithms.own_algorithm import make_own
 from ..algorithms.ppo import make_ppo
-from ..algorithms.step_record import check_own_reward
 from ..algorithms.training_functions import Train
 from ..algorithms.vdn import make_vdn
-from ..algorithms.vdn_on_policy import make_vdn_on_policy
 from ..environment import Environment
 from ..policies.loading import load_parameters, make_partners, trained_policy
 from ..settings.config import Config, ConfigError, PPOConfig, VDNConfig
-from ..settings.extensions import RewardMode
 
 
 def make_train(env: Environment, config: Config) -> Train:
@@ -30,19 +26,13 @@ def make_train(env: Environment, config: Config) -> Train:
         environment.
       PolicyError: the policy to start from, or a partner's, can't be read or doesn't fit.
     """
-    if config.reward not in get_args(RewardMode):
-        check_own_reward(env, config)
     match config:
         case PPOConfig() if "algorithm" in config.hooks:
             program = make_own(env, config)
         case PPOConfig():
             program = make_ppo(env, config, make_partners(env, config))
-        case VDNConfig(replay="none"):
-            program = make_vdn_on_policy(env, config, make_partners(env, config))
         case VDNConfig():
             program = make_vdn(env, config, make_partners(env, config))
-        case _:
-            raise TypeError(f"no algorithm takes a {type(config).__name__}")
     if program.policy is None:
         program = replace(program, policy=partial(trained_policy, env, config))
     if not config.init_from:

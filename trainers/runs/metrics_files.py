@@ -46,8 +46,7 @@ class Metrics:
     def append(self, row: Row) -> None:
         """Writes one row and flushes it."""
         self.lines.write(json.dumps(plain(row)) + "\n")
-        with naming(self.lines.name):
-            self.lines.flush()
+        self.lines.flush()
 
     def to_disk(self) -> None:
         """Makes the system write what was appended, in case the machine stops."""
@@ -57,7 +56,8 @@ class Metrics:
 @contextmanager
 def open_metrics(folder: Path) -> Iterator[Metrics]:
     """Opens the metrics of one seed for appending."""
-    with open_in_place(folder / METRICS_JSONL, "a") as lines:
+    path = folder / METRICS_JSONL
+    with naming(path), open_in_place(path, "a") as lines:
         yield Metrics(lines)
 
 

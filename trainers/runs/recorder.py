@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ from ..policies.loading import trained_policy
 from ..policies.policy_file import POLICIES, SUFFIX, remove_policies, write_policy
 from ..settings.config import Config
 from .learning_curve import draw_learning_curve
-from .learning_signs import LearningWarning, Signs, is_due
+from .learning_signs import Signs, is_due
 from .loggers import Log, open_loggers
 from .metrics_files import (
     EVALUATIONS,
@@ -36,59 +36,49 @@ POINTS = 1000  # of a learning curve, at most
 
 
 @dataclass
-class Earned:
-    """The returns of episodes that ended since the last stored policy, and the best mean so far."""
-
-    total: float = 0.0  # collective return
-    episodes: float = 0.0
-    best: float = -math.inf  # mean of an episode
-
-    def add(self, row: Row) -> None:
-        """Counts the episodes of an update."""
-        if row["episodes"] > 0:
-            self.total += row["episodes"] * row["collective_return"]
-            self.episodes += row["episodes"]
-
-    def close(self) -> bool:
-        """Starts again after a policy was stored; returns whether its episodes earned the most."""
-        mean = self.total / self.episodes if self.episodes else -math.inf
-        is_best = mean > self.best
-        self.best = max(mean, self.best)
-        self.total = self.episodes = 0.0
-        return is_best
-
-
 class History:
     """What is kept in memory of the rows written so far; the rows themselves aren't."""
 
-    def __init__(self, config: Config) -> None:
-        self.updates = 0
-        self.seconds = 0.0  # that they took
-        self.earned = Earned()
-        self.signs = Signs()
-        self.warnings: list[LearningWarning] = []
-        self.is_judged = False  # whether the last row brought the warnings
-        self._config = config
+    config: Config
+    updates: int = 0
+    seconds: float = 0.0  # that they took
+    # of the episodes that ended since the last stored policy, and their number
+    collective_return: float = 0.0
+    episodes: float = 0.0
+    best: float = -math.inf  # the best mean of such episodes
+    signs: Signs = field(default_factory=Signs)
+    warnings: list[str] = field(default_factory=list)
+    is_judged: bool = False  # whether the last row brought the warnings
 
     def count(self, row: Row) -> None:
         """Takes note of a row."""
         self.updates = row["update"]
         self.seconds = row["seconds"]
-        self.earned.add(row)
+        if row["episodes"] > 0:
+            self.collective_return += row["episodes"] * row["collective_return"]
+            self.episodes += row["episodes"]
         self.signs.count(row)
-        self.is_judged = is_due(self.updates, self._config)
+        self.is_judged = is_due(self.updates, self.config)
         if self.is_judged:
-            self.warnings = list(self.signs.warnings(self._config))
+            self.warnings = list(self.signs.warnings(self.config))
 
     def recall(self, row: Row) -> None:
         """Takes note of a row that was written before the run was stopped."""
         self.count(row)
         if self.is_mark(row["update"]):
-            self.earned.close()
+            self.close()
 
     def is_mark(self, update: int) -> bool:
         """Whether the policy of an update is stored by its number."""
-        return update % self._config.policy_updates == 0 or update == self._config.num_updates
+        return update % self.config.policy_updates == 0 or update == self.config.num_updates
+
+    def close(self) -> bool:
+        """Starts again after a policy was stored; returns whether its episodes earned the most."""
+        mean = self.collective_return / self.episodes if self.episodes else -math.inf
+        is_best = mean > self.best
+        self.best = max(mean, self.best)
+        self.collective_return = self.episodes = 0.0
+        return is_best
 
 
 @dataclass
@@ -121,7 +111,7 @@ class Recorder:
         If nothing is evaluated, it is also `best` if its episodes earned the most.
         """
         names = [f"{update:08d}", "last"]
-        if self.history.earned.close() and not self.stage.config.evaluate_every:
+        if self.history.close() and not self.stage.config.evaluate_every:
             names.append("best")
         self.store(parameters, update, *names)
         remove_policies(self.folder / POLICIES, self.stage.config.keep_policies)

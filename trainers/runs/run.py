@@ -20,7 +20,7 @@ from ..environment import Environment, episode_length
 from ..json_files import write_json
 from ..policies.loading import parameter_shapes
 from ..policies.policy_file import START, copy_policy, policy_path, read_policy
-from ..settings.config import Config, ConfigError, PPOConfig, stored_config
+from ..settings.config import Config, ConfigError, stored_config
 from ..settings.stage_settings import STAGES, check_settings
 from .checkpoints import Checkpoints, resumption
 from .compiled import NoMemoryError, compile_train, peak_megabytes, with_spread_starts
@@ -183,28 +183,15 @@ def check_stages(stages: Sequence[Stage], place: str = STAGES) -> None:
         if _shapes(before) != _shapes(stage):
             raise ConfigError(
                 f"{place}[{number}]: its networks have other shapes than those of the stage "
-                f"before: {_possible_reasons(before, stage)}"
+                "before, as observations, actions, partners or settings of your own differ, or, "
+                "with `sharing=per_agent` or a central critic, the number of agents, "
+                f"{before.env.num_agents} before and {stage.env.num_agents} here"
             )
 
 
 def _shapes(stage: Stage) -> Any:
     """Returns the shapes of the parameters of a stage's networks."""
     return jax.tree.map(lambda leaf: leaf.shape, parameter_shapes(stage.env, stage.config))
-
-
-def _possible_reasons(before: Stage, stage: Stage) -> str:
-    """Returns what may be why networks differ, in words."""
-    config = stage.config
-    reasons = []
-    if before.env.num_agents != stage.env.num_agents:
-        reasons.append(
-            f"there are {before.env.num_agents} agents before, and {stage.env.num_agents} here"
-        )
-    if isinstance(config, PPOConfig) and config.sharing == "per_agent":
-        reasons.append("each agent has a network of its own (`sharing=per_agent`)")
-    if isinstance(config, PPOConfig) and config.algorithm == "mappo":
-        reasons.append(f"the central critic reads the {config.critic} of all agents")
-    return "; ".join(reasons) or "observations, actions, partners or settings of your own differ"
 
 
 def resume(
@@ -414,27 +401,12 @@ def recording_status(run_dir: Path, manifest: dict[str, Any]) -> Iterator[None]:
         if isinstance(error, NoMemoryError):
             raise RunError(str(error)) from None
         if isinstance(error, OSError):
-            raise DiskError(_disk_message(error, run_dir)) from error
+            raise DiskError(
+                f"{error.filename or run_dir} could not be written: {error.strerror or error}. "
+                f"What was saved before is whole: make room, and resume {run_dir}"
+            ) from error
         raise
     finally:
         if is_first():
             with suppress(OSError):  # a full disk leaves the manifest from the start
                 write_json(run_dir / MANIFEST, manifest)
-
-
-def _disk_message(error: OSError, run_dir: Path) -> str:
-    """Returns the message about a disk.
-
-    Of several errors, it is about the first, as a full disk also fails what is tried afterwards.
-    """
-    faults = []
-    fault: BaseException | None = error
-    while fault is not None:
-        if isinstance(fault, OSError):
-            faults.append(fault)
-        fault = fault.__context__
-    first = next((fault for fault in reversed(faults) if fault.filename), faults[-1])
-    return (
-        f"{first.filename or run_dir} could not be written: {first.strerror or first}. "
-        f"What was saved before is whole: make room, and resume {run_dir}"
-    )

@@ -67,14 +67,8 @@ def describe_game(env: Environment) -> dict[str, Any]:
     }
 
 
-def versions() -> dict[str, str | None]:
+def versions() -> dict[str, str]:
     """Returns the versions of Python and of the packages that a run's figures depend on."""
-    return {"python": platform.python_version()} | {name: _version(name) for name in PACKAGES}
-
-
-def _version(package: str) -> str | None:
-    """Returns the version of an installed package, else None."""
-    try:
-        return importlib.metadata.version(package)
-    except importlib.metadata.PackageNotFoundError:
-        return None
+    return {"python": platform.python_version()} | {
+        package: importlib.metadata.version(package) for package in PACKAGES
+    }

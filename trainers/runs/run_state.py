@@ -4,10 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from sjdsl.files import read_json
-
 from ..policies.policy_file import PolicyError
-from .manifest import MANIFEST
+from .manifest import MANIFEST, read_manifest
+from .run_errors import RunError
 
 FINISHED = "finished"
 
@@ -41,13 +40,10 @@ def run_state(folder: Path) -> RunState | None:
     if not file.is_file():
         return None
     try:
-        manifest = read_json(file)
-        diverged = {entry["seed"]: entry["update"] for entry in manifest.get("diverged", [])}
-        status = str(manifest.get("status", FINISHED))
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise PolicyError(
-            f"{file} can't be read ({type(error).__name__}: {error}), so the run may not have ended"
-        ) from None
+        manifest = read_manifest(file.parent)
+    except RunError as error:
+        raise PolicyError(f"{error}, so the run may not have ended") from None
+    diverged = {entry["seed"]: entry["update"] for entry in manifest.get("diverged", ())}
     if is_seed:
         diverged = {number: diverged[number] for number in diverged if number == int(seed)}
-    return RunState(status, diverged)
+    return RunState(manifest.get("status", FINISHED), diverged)

@@ -22,7 +22,7 @@ from ..policies.loading import Policy, trained_policy
 from ..settings.config import Config
 from .checkpoint_pace import CheckpointPace
 from .compiled import Compiled, NoMemoryError
-from .learning_signs import LearningWarning, said_once
+from .learning_signs import said_once
 from .metric_rows import flatten_metrics, mean_row
 from .metrics_files import Row
 from .progress import Show
@@ -109,8 +109,8 @@ class Loop:
             self.updates += 1
             self._keep_policies()
             self.is_whole = True  # with its evaluation, which isn't repeated
-            row, warnings = self._summary(rows)
-            self.show(row, warnings)
+            if self.recorders:
+                self.show(*self._summary(rows))
             now = time.perf_counter()
             if any_process(pace.is_due(self.updates, now)):
                 self._save()
@@ -216,18 +216,14 @@ class Loop:
 
         The row also has `before_learning`, the mean of their returns then.
         """
-        row = mean_row([rows[index] for index in self._learning()])
-        warnings: dict[int, Sequence[LearningWarning]] = {
-            recorder.seed: () for recorder in self.recorders
-        }
-        before = []
-        for _, recorder in self._recording():
-            before.append(recorder.history.signs.before_learning)
-            if recorder.history.is_judged:
-                warnings[recorder.seed] = recorder.history.warnings
-        known = [figure for figure in before if math.isfinite(figure)]
-        row["before_learning"] = sum(known) / len(known) if known else math.nan
-        return row, said_once(warnings)
+        warnings: dict[int, Sequence[str]] = {recorder.seed: () for recorder in self.recorders}
+        shown = []
+        for index, recorder in self._recording():
+            history = recorder.history
+            shown.append(rows[index] | {"before_learning": history.signs.before_learning})
+            if history.is_judged:
+                warnings[recorder.seed] = history.warnings
+        return mean_row(shown), said_once(warnings)
 
     def _call_back(self, rows: Sequence[Row]) -> bool:
         """Calls the callback; returns whether it ends the run."""

@@ -1,6 +1,7 @@
-"""Which rows of a dense layer's kernel the tokens of a window select.
+"""Tables in which the content of a window's cell is looked up, for a dense layer on its channels.
 
-Planes of words and bits become row numbers in tables.
+A table has a row for each combination of values of some planes of words and bits: the sum of the
+kernel's rows that these values select.
 """
 
 import math
@@ -15,9 +16,8 @@ from sjdsl.runtime.planes import TokenPlane
 # cost of making a row of a table and summing its gradient, in lookups of a row; measured
 # (docs/performance.md)
 ROW_WORK = 4
-LIMITS = tuple(2**power for power in range(9))  # the limits to try for the rows of a cell's table
-# types of integers, with the largest that each holds
-INTEGERS = ((2**8 - 1, jnp.uint8), (2**16 - 1, jnp.uint16), (2**31 - 1, jnp.int32))
+# the limits to try for the rows of a table; at most as many as a byte numbers
+LIMITS = tuple(2**power for power in range(9))
 
 Planes = tuple[TokenPlane, ...]
 Group = tuple[int, ...]  # planes that are looked up together, by their positions among all
@@ -60,39 +60,29 @@ def rows_of(group: Group, planes: Planes) -> int:
 
 
 def row_numbers(tokens: Array, group: Group, planes: Planes) -> Array:
-    """Returns which row of its cell's tables each window selects, `[cells, G * M]`.
-
-    The tables of G networks follow each other. The result has the smallest integer type that holds
-    it.
+    """Returns the row of its cell's table that each window selects, `[cells, M]` uint8.
 
     Args:
-      tokens: `[G, M, P, cells]` uint8.
+      tokens: `[M, P, cells]` uint8.
     """
-    number, windows, _, cells = tokens.shape
-    last = number * rows_of(group, planes) - 1
-    networks = jnp.arange(number, dtype=jnp.int32)[:, None, None]
-    numbers = jnp.broadcast_to(networks, (number, windows, cells))
+    numbers = jnp.zeros(tokens[:, 0].shape, jnp.int32)
     for place in group:
-        numbers = numbers * _values(planes[place]) + tokens[:, :, place].astype(jnp.int32)
-    dtype = next(dtype for largest, dtype in INTEGERS if last <= largest)
-    return numbers.astype(dtype).reshape(number * windows, cells).T
+        numbers = numbers * _values(planes[place]) + tokens[:, place].astype(jnp.int32)
+    return numbers.astype(jnp.uint8).T
 
 
-def make_tables(rows: Sequence[Array], group: Group, planes: Planes) -> Array:
-    """Returns the sums of rows of G kernels, `[cells, G * rows, K]`.
-
-    There is one for each combination of values of the planes of a group.
+def make_table(rows: Sequence[Array], group: Group, planes: Planes) -> Array:
+    """Returns the table of a group for one cell, `[rows, K]`.
 
     Args:
-      rows: of each plane, the rows of its channels, `[L, cells, G, K]`.
+      rows: of each plane, the rows of its channels in that cell, `[L, K]`.
     """
-    _, cells, number, width = rows[0].shape
-    tables = jnp.zeros((cells, number, 1, width), rows[0].dtype)
+    width = rows[0].shape[-1]
+    table = jnp.zeros((1, width), rows[0].dtype)
     for place in group:
-        table = _table(rows[place], planes[place])
-        tables = tables[:, :, :, None] + table[:, :, None]
-        tables = tables.reshape(cells, number, -1, width)
-    return tables.reshape(cells, -1, width)
+        sums = _sums(rows[place], planes[place])
+        table = (table[:, None] + sums).reshape(-1, width)
+    return table
 
 
 def rows_by_plane(rows: Array, planes: Planes) -> list[Array]:
@@ -105,15 +95,11 @@ def _values(plane: TokenPlane) -> int:
     return len(plane.labels) if plane.encoding == "word" else 2 ** len(plane.labels)
 
 
-def _table(rows: Array, plane: TokenPlane) -> Array:
-    """Returns the sums of rows for each value of one plane, `[cells, G, values, K]`.
-
-    Args:
-      rows: of its channels, `[L, cells, G, K]`.
-    """
+def _sums(rows: Array, plane: TokenPlane) -> Array:
+    """Returns the sums of the rows `[L, K]` of a plane's channels for each value, `[values, K]`."""
     if plane.encoding == "word":
-        return jnp.moveaxis(rows, 0, 2)
-    sums = jnp.zeros_like(rows[0])[:, :, None]
+        return rows
+    sums = jnp.zeros_like(rows[:1])
     for row in rows:  # bit k has the value 2^k
-        sums = jnp.concatenate([sums, sums + row[:, :, None]], axis=2)
+        sums = jnp.concatenate([sums, sums + row])
     return sums
