@@ -11,7 +11,7 @@ from sjdsl.compiler.elaborate.fitting import check_number, fitting_value
 from sjdsl.compiler.elaborate.lookup import declared_name, interval_text, is_agent, read_beside
 from sjdsl.compiler.elaborate.movers import check_heading
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
-from sjdsl.compiler.elaborate.streams import PhaseUse
+from sjdsl.compiler.elaborate.streams import Streams
 from sjdsl.compiler.elaborate.trials import TRIAL
 from sjdsl.compiler.ir.implications import narrowed
 from sjdsl.compiler.ir.printer import expression_text as text
@@ -81,7 +81,7 @@ def _target_beside(s: ast.Set | ast.Add, scope: Scope) -> tuple[ir.Expr, ir.VarF
         raise
 
 
-def set_(s: ast.Set, scope: Scope, use: PhaseUse) -> ir.Stmt:
+def set_(s: ast.Set, scope: Scope, streams: Streams) -> ir.Stmt:
     """Returns `set target = value` or `set target = value by lot`."""
     if _is_heading(s.target, scope):
         return _face(s, scope)
@@ -102,7 +102,7 @@ def set_(s: ast.Set, scope: Scope, use: PhaseUse) -> ir.Stmt:
     if s.lot is not None:
         if s.lot.text != "lot":
             raise scope.problems.unknown(s.lot, ("lot",), "what may follow `by` here")
-        lot = use.streams.of_statement(use.streams.header(s.span))
+        lot = streams.of_line(s.span)
     return ir.Set(target=target, value=value, lot=lot, origin=s.span)
 
 

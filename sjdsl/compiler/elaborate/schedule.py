@@ -15,7 +15,7 @@ from sjdsl.compiler.elaborate.lookup import check_arguments
 from sjdsl.compiler.elaborate.possible import STEP
 from sjdsl.compiler.elaborate.scope import Scope
 from sjdsl.compiler.elaborate.statements import block
-from sjdsl.compiler.elaborate.streams import PhaseUse, Streams
+from sjdsl.compiler.elaborate.streams import Streams
 from sjdsl.compiler.ir.names import Names, phase_function
 from sjdsl.compiler.ir.printer import expression_text as text
 from sjdsl.compiler.ir.types import integer
@@ -205,7 +205,7 @@ def _typed_phase(
         locals={parameter.text: local_symbol(parameter) for parameter in phase.parameters},
         never=scope.static.never_in(f"phase {phase.name.text}"),
     )
-    body = block(phase.block, inner, PhaseUse(Streams(label, scope.static.sources)))
+    body = block(phase.block, inner, Streams(label, scope.static.sources))
     nodes = chain.from_iterable(ir.walk(statement) for statement in body)
     marks = dict.fromkeys(node.shape for node in nodes if isinstance(node, ir.Mark))
     return ir.Phase(label=label, name=function, body=body, marks=tuple(marks), origin=phase.span)

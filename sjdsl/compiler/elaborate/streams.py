@@ -24,12 +24,16 @@ def layout_free(source: Source, start: int, end: int) -> str:
 
 @dataclass
 class Streams:
-    """Hands out stream numbers for one phase use."""
+    """Hands out stream numbers for one use of a phase.
+
+    pools: of sends, by destination.
+    """
 
     label: str
     sources: dict[str, Source]
     around: list[str] = field(default_factory=list)
     seen: Counter[str] = field(default_factory=Counter)
+    pools: dict[str, int] = field(default_factory=dict)
 
     def header(self, span: Span, block: ast.Block | None = None) -> str:
         """Returns the text of a statement, up to its block if it has one."""
@@ -41,6 +45,10 @@ class Streams:
         full = "\n".join((*self.around, text))
         self.seen[full] += 1
         return number(self.label, f"{full}\n{self.seen[full]}")
+
+    def of_line(self, span: Span) -> int:
+        """Returns the stream of a statement without a block."""
+        return self.of_statement(self.header(span))
 
     def shared(self, purpose: str, text: str) -> int:
         """Returns the stream that all statements of this phase use share for one purpose."""
@@ -54,14 +62,6 @@ class Streams:
             yield
         finally:
             self.around.pop()
-
-
-@dataclass
-class PhaseUse:
-    """The streams of one use of a phase, and its pools of sends by destination."""
-
-    streams: Streams
-    pools: dict[str, int] = field(default_factory=dict)
 
 
 def number(label: str, text: str) -> int:

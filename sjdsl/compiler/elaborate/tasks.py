@@ -88,7 +88,7 @@ def _drawn(field: ast.TaskField, streams: Streams, scope: Scope) -> tuple[ir.Dra
         words=type_.words,
         by=type_.indexed_by[0] if type_.indexed_by else None,
         different=field.different,
-        stream=streams.of_statement(streams.header(field.span)),
+        stream=streams.of_line(field.span),
         origin=field.span,
     )
     if type_.kind == "int":

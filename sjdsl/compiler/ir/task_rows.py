@@ -14,7 +14,7 @@ from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.tree import children
 from sjdsl.compiler.ir.expressions import At, Expr, FieldRead, Number, Word
 from sjdsl.compiler.ir.fold import UnknownValue, fold
-from sjdsl.compiler.ir.game import GivenPart, HoldOut, Task, TaskPart
+from sjdsl.compiler.ir.game import HoldOut, Task, TaskPart
 from sjdsl.compiler.ir.node import Node
 from sjdsl.compiler.ir.statements import Draw
 from sjdsl.compiler.ir.values import Evaluation
@@ -180,10 +180,3 @@ def _all_rows(task: Task, parts: Sequence[TaskPart]) -> Iterator[Row]:
         of_fields.append(several if drawn.different else product(values, repeat=number))
     for rows in product(*of_fields):
         yield tuple(value for row in rows for value in row)
-
-
-__all__ = [
-    "GivenPart", "Part", "Row", "SideRows", "all_parts", "drawn_field", "drawn_fields",
-    "holds_out_any", "number_of_ways", "part_name", "parts_of", "parts_read", "rows_of_hold_out",
-    "rows_of_side", "rows_of_training", "tasks_with", "values_of",
-]  # fmt: skip

@@ -27,10 +27,11 @@ from sjdsl.compiler.syntax.recovery.automaton import (
     make_automaton,
     open_marks,
     read,
+    stack_of,
 )
 from sjdsl.compiler.syntax.recovery.messages import word_error
 from sjdsl.compiler.syntax.recovery.repair import ENOUGH, Repair, Trouble, find_repair
-from sjdsl.compiler.syntax.soft_words import SOFT, as_name, as_names, can_come
+from sjdsl.compiler.syntax.soft_words import SOFT, as_name, as_names
 from sjdsl.compiler.syntax.tokens import Scan, scan
 
 HERE = Path(__file__).parent
@@ -263,13 +264,10 @@ def tree_of(tokens: list[Token]) -> tuple[list[Token], Tree[Token]]:
     Soft words are names where only a name can come.
     """
     reader = parser().parse_interactive("")
-    state = reader.parser_state
-    states = state.parse_conf.parse_table.states
     resolved: list[Token] = []
     for token in tokens:
-        if token.type in SOFT and not can_come(states, state.state_stack, token.type):
-            if can_come(states, state.state_stack, "NAME"):
-                token = Token.new_borrow_pos("NAME", token, token)
+        if token.type in SOFT:
+            token = as_name(automaton(), stack_of(reader.parser_state.state_stack), token)
         reader.feed_token(token)
         resolved.append(token)
     tree: Tree[Token] = reader.feed_eof(tokens[-1])

@@ -3,9 +3,8 @@
 A word that is added to the language is soft, so that no file loses a name.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from itertools import pairwise
-from typing import Any
 
 from lark import Token
 
@@ -54,20 +53,3 @@ def as_name(table: Automaton, stack: Stack, token: Token) -> Token:
         if read_as(table, stack, "NAME") is not None:
             return Token.new_borrow_pos("NAME", token, token)
     return token
-
-
-def can_come(
-    states: Mapping[int, Mapping[str, tuple[Any, Any]]], stack: Sequence[int], kind: str
-) -> bool:
-    """Returns whether a token of this kind can be the next.
-
-    states: the parser's table. stack: the states that it is in.
-    """
-    stack = list(stack)
-    while True:
-        _, argument = states[stack[-1]].get(kind, (None, None))
-        if not hasattr(argument, "expansion"):
-            return argument is not None
-        if argument.expansion:
-            del stack[-len(argument.expansion) :]
-        stack.append(states[stack[-1]][argument.origin.name][1])

@@ -21,6 +21,15 @@ class Stack(Record, eq=False):
     token: int = -1
 
 
+def stack_of(states: Sequence[int]) -> Stack:
+    """Returns the stack with these states, outermost first."""
+    stack: Stack | None = None
+    for state in states:
+        stack = Stack(state, stack)
+    assert stack is not None
+    return stack
+
+
 class Automaton(Record, eq=False):
     """The parser's table.
 
