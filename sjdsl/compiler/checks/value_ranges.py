@@ -80,6 +80,10 @@ class Here(Analysis[Interval]):
         del self.played.leaving[num_leaving:]
         return place
 
+    def with_local(self, name: str, interval: Interval) -> "Here":
+        """Returns this place with one more variable."""
+        return replace(self, locals={**self.locals, name: interval})
+
     def bounded(self, e: ir.Expr, limits: Interval) -> "Here":
         """Returns this place, where a number is known to lie in an interval."""
         subject = form(e, memo=self.played.forms)
