@@ -75,13 +75,13 @@ class Scenario(Named):
 class Constant(Node):
     """`size` or `param`: `param apple : reward = 1 in 0 .. 5`, `param taste by agent : reward = 1`"""
 
-    is_size: bool
     name: Name
     by: By | None
     unit: Name
     value: Expr | Table
     low: Expr | None
     high: Expr | None
+    is_size: bool = False
 
 
 class Cite(Node):

@@ -32,10 +32,10 @@ class Draw(Named):
     by: of a row, of which each entry is drawn; different: no two of them are equal.
     """
 
-    source: Expr | Words | Table
-    high: Expr | None
     by: By | None
     different: bool
+    source: Expr | Words | Table
+    high: Expr | None
 
 
 class Each(Node):
