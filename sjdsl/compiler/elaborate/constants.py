@@ -52,7 +52,7 @@ def constant(declared: ast.Constant, scope: Scope, override: object = None) -> N
     kind: Literal["int", "real"] = "int" if unit in INTEGER_UNITS else "real"
     type_ = ir.Type(kind=kind, unit=unit, low=low, high=high, indexed_by=by)  # type: ignore[arg-type]
     if declared.is_size:
-        type_ = type_.model_copy(update={"low": value, "high": value})
+        type_ = type_.changed(low=value, high=value)
         static.sizes[name] = ir.Size(name=name, type=type_, value=value, origin=declared.span)
     else:
         static.params[name] = ir.Param(name=name, type=type_, value=value, origin=declared.span)

@@ -52,7 +52,7 @@ def body(e: ast.Path, scope: Scope) -> ir.Expr:
 def receiver(e: ast.Path, scope: Scope) -> ir.Expr:
     """Returns one agent or a set of agents."""
     built = scope.expression(e)
-    if built.type.kind == "agents" and not built.type.indexed_by:
+    if built.type.is_single("agents"):
         return built
     wanted = "an agent or a set of agents"
     if is_member(built, "mover"):

@@ -85,7 +85,7 @@ def one_field(declared: ast.Field | ast.Timer, scope: Scope, held_by: ir.Sort) -
     type_ = field_type(declared.type, scope)
     start = start_value(declared, type_, scope)
     if declared.by is not None:
-        type_ = type_.model_copy(update={"indexed_by": (level_of(declared.by, scope),)})
+        type_ = type_.changed(indexed_by=(level_of(declared.by, scope),))
     capped = False
     if isinstance(declared.type, ast.Range | ast.Reals):
         capped = declared.type.capped

@@ -193,7 +193,7 @@ def _check(check: ast.Check, game: Composition, scope: Scope) -> ir.Check:
             return ir.Check(kind="once", values=(trigger, condition), origin=check.span)
         case ast.Conserved():
             value = scope.expression(check.value)
-            if value.type.indexed_by or value.type.kind not in ("int", "real", "word", "condition"):
+            if not value.type.is_single("int", "real", "word", "condition"):
                 wanted = "one value (a number, a word, a condition)"
                 raise wrong_type(scope, check.value, wanted, value.type)
             return ir.Check(kind="conserved", values=(value,), origin=check.span)

@@ -73,7 +73,7 @@ def heading_of(who: ir.Expr, span: Span) -> ir.Expr:
 def check_heading(heading: ir.Expr, tree: ast.Expr, wanted: str, scope: Scope) -> None:
     """Reports a value that isn't a heading. wanted: what the message asks for."""
     type_ = heading.type
-    if type_.kind != "word" or type_.indexed_by or not set(type_.words) <= set(HEADINGS):
+    if not type_.is_single("word") or not set(type_.words) <= set(HEADINGS):
         raise wrong_type(scope, tree, wanted, type_)
 
 

@@ -226,7 +226,7 @@ class Scope(Record):
     def condition(self, e: ast.Expr) -> ir.Expr:
         """Returns a condition; reports anything else."""
         built = self.expression(e)
-        if built.type.kind != "condition" or built.type.indexed_by:
+        if not built.type.is_single("condition"):
             raise wrong_type(self, e, "a condition", built.type)
         return built
 

@@ -145,8 +145,8 @@ def _of_row(s: ast.Draw, by: ast.By, one: ir.Draw, scope: Scope) -> ir.Draw:
     if isinstance(by, ast.Words):
         _check_declared(by.names, scope)
     level = level_of(by, scope)
-    type_ = one.type.model_copy(update={"indexed_by": (level,)})
-    drawn = one.model_copy(update={"type": type_, "by": level, "different": s.different})
+    type_ = one.type.changed(indexed_by=(level,))
+    drawn = one.changed(type=type_, by=level, different=s.different)
     if s.different:
         if one.weights:
             raise scope.expected(s.source.span, "values without weights", "a table of weights")

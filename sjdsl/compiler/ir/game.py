@@ -469,8 +469,5 @@ class Game(Node):
     @property
     def rules(self) -> "Game":
         """The game without the parts that no rule reads."""
-        return self.model_copy(
-            update=dict.fromkeys(
-                ("cites", "about", "chosen", "looks", "policies", "policy_shapes", "scenarios"), ()
-            )
-        )
+        beside = ("cites", "about", "chosen", "looks", "policies", "policy_shapes", "scenarios")
+        return self.changed(**dict.fromkeys(beside, ()))

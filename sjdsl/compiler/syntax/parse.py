@@ -20,15 +20,7 @@ from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Fix,
 from sjdsl.compiler.diagnostics.limits import MAX_PROBLEMS, check_text
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.build import build_file
-from sjdsl.compiler.syntax.recovery.automaton import (
-    END,
-    Automaton,
-    Stack,
-    make_automaton,
-    open_marks,
-    read,
-    stack_of,
-)
+from sjdsl.compiler.syntax.recovery.automaton import END, Automaton, Stack, make_automaton
 from sjdsl.compiler.syntax.recovery.messages import word_error
 from sjdsl.compiler.syntax.recovery.repair import ENOUGH, Repair, Trouble, find_repair
 from sjdsl.compiler.syntax.soft_words import SOFT, as_name, as_names
@@ -169,12 +161,11 @@ class Search:
 
 def _find_errors(scanned: Scan, has_version: bool) -> list[Diagnostic]:
     """Runs the table over the tokens, past a repair of each error."""
-    table = automaton()
     at = 0
-    stack = Stack(table.start, None)
+    stack = automaton().stack()
     if not has_version:  # as if the version line were there
         for kind in ("SJ", "INT"):
-            stack = read(table, stack, kind) or stack
+            stack = stack.read(kind) or stack
     tokens = scanned.tokens
     kinds = [token.type for token in tokens] + [END]
     texts = [str(token) for token in tokens] + [""]
@@ -184,9 +175,9 @@ def _find_errors(scanned: Scan, has_version: bool) -> list[Diagnostic]:
     repairs = 0
     while repairs < MAX_PROBLEMS:
         if kinds[at] in SOFT:
-            tokens[at] = as_name(table, stack, tokens[at])
+            tokens[at] = as_name(stack, tokens[at])
             kinds[at] = tokens[at].type
-        after = read(table, stack, kinds[at], at)
+        after = stack.read(kinds[at], at)
         if after is not None:
             if kinds[at] == END:
                 break
@@ -194,7 +185,7 @@ def _find_errors(scanned: Scan, has_version: bool) -> list[Diagnostic]:
             stack = after
             at += 1
             continue
-        trouble = Trouble(table, kinds, texts, closing, stack, before, at)
+        trouble = Trouble(kinds, texts, closing, stack, before, at)
         repair = find_repair(trouble)
         _report(search, trouble, repair, scanned)
         if repair is None:
@@ -228,7 +219,7 @@ def _closes_repaired_bracket(repair: Repair, trouble: Trouble) -> bool:
     opening = {"RPAR": "LPAR", "RSQB": "LSQB"}.get(repair.kind)
     if opening is None or repair.sort not in ("insert", "replace"):
         return False
-    opened = open_marks(trouble.automaton, trouble.stack, opening, repair.kind)
+    opened = trouble.stack.open_marks(opening, repair.kind)
     return opened[:1] == [-1]
 
 
@@ -267,7 +258,8 @@ def tree_of(tokens: list[Token]) -> tuple[list[Token], Tree[Token]]:
     resolved: list[Token] = []
     for token in tokens:
         if token.type in SOFT:
-            token = as_name(automaton(), stack_of(reader.parser_state.state_stack), token)
+            _, *states = reader.parser_state.state_stack
+            token = as_name(automaton().stack(states), token)
         reader.feed_token(token)
         resolved.append(token)
     tree: Tree[Token] = reader.feed_eof(tokens[-1])

@@ -8,7 +8,7 @@ from itertools import pairwise
 
 from lark import Token
 
-from sjdsl.compiler.syntax.recovery.automaton import Automaton, Stack, read, read_as
+from sjdsl.compiler.syntax.recovery.automaton import Automaton, Stack
 
 SOFT = frozenset((  # kinds of tokens, as in the parser's table
     "POLICY", "SCENARIO", "CHOOSE", "AVOIDING", "AIM", "AT", "SLOTS", "FOCAL", "MOVERS", "TOWARD",
@@ -37,19 +37,19 @@ def names_in_place(kinds: Sequence[str]) -> list[int]:
 def as_names(table: Automaton, tokens: list[Token]) -> list[Token]:
     """Returns the tokens up to the first error, soft words as names where only a name can come."""
     resolved = list(tokens)
-    stack = Stack(table.start, None)
+    stack = table.stack()
     for at, token in enumerate(tokens):
-        resolved[at] = as_name(table, stack, token)
-        after = read(table, stack, resolved[at].type)
+        resolved[at] = as_name(stack, token)
+        after = stack.read(resolved[at].type)
         if after is None:
             break
         stack = after
     return resolved
 
 
-def as_name(table: Automaton, stack: Stack, token: Token) -> Token:
+def as_name(stack: Stack, token: Token) -> Token:
     """Returns a token, as a name if it is a soft word that cannot come here and a name can."""
-    if token.type in SOFT and read_as(table, stack, token.type) is None:
-        if read_as(table, stack, "NAME") is not None:
+    if token.type in SOFT and stack.read_as(token.type) is None:
+        if stack.read_as("NAME") is not None:
             return Token.new_borrow_pos("NAME", token, token)
     return token

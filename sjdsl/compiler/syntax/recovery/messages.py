@@ -10,7 +10,7 @@ from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Fix, Label
 from sjdsl.compiler.diagnostics.slips import slip
 from sjdsl.compiler.diagnostics.source import Source, Span
-from sjdsl.compiler.syntax.recovery.automaton import END, accepted, open_braces, open_marks
+from sjdsl.compiler.syntax.recovery.automaton import END
 from sjdsl.compiler.syntax.recovery.repair import (
     COMMITTED,
     SECTIONS,
@@ -94,7 +94,7 @@ def _open_block(
     """Returns the diagnostic of a `{` without its `}`, with the likely place of that."""
     opener, closer = _find_unclosed(tokens[: trouble.at], source)
     if opener is None:
-        opener = open_braces(trouble.automaton, trouble.stack)[0]
+        opener = trouble.stack.open_braces()[0]
     help_ = "write `}` where it ends"
     if repair.times > 1:
         help_ = f"{help_}; {repair.times} are missing in all"
@@ -120,7 +120,7 @@ def _open_block(
 
 def _is_outdented(trouble: Trouble, tokens: Sequence[Token], source: Source) -> bool:
     """Returns whether the refused token begins a line no further right than the open block."""
-    opened = open_braces(trouble.automaton, trouble.stack)
+    opened = trouble.stack.open_braces()
     if not opened or trouble.at == len(tokens) or not _begins_line(tokens[trouble.at], source):
         return False
     return _indent(tokens[trouble.at], source) <= _indent(tokens[opened[0]], source)
@@ -196,17 +196,17 @@ def _unexpected(
 ) -> Diagnostic:
     """Returns the diagnostic of a token that can't stand where it does."""
     span = _refused_span(trouble, tokens, source)
-    kinds = accepted(trouble.automaton, trouble.stack)
+    kinds = trouble.stack.accepted()
     expected = expected_text(trouble, kinds)
     fix: Fix | None = None
     labels: tuple[Label, ...] = ()
     hint = statement_slip(trouble, kinds)
     if not hint:
-        writable = can_be_written(trouble.automaton, kinds)
+        writable = can_be_written(trouble, kinds)
         hint, _ = slip(trouble.texts[trouble.at], writable)
     help_ = hint or _help_text(trouble, kinds)
     if repair is not None and repair.alone:
-        word = trouble.automaton.words.get(repair.kind, "")
+        word = trouble.words.get(repair.kind, "")
         is_sign = bool(word) and not word.isalpha()
         match repair.sort:
             case "near":
@@ -252,7 +252,7 @@ def _help_text(trouble: Trouble, kinds: Sequence[str]) -> str:
     for group, other, help_ in MISPLACED:
         if kind in group and other <= set(kinds):
             return help_
-    words = trouble.automaton.words
+    words = trouble.words
     near = [words.get(keyword, "") for keyword in near_keywords(trouble, trouble.at, kinds)]
     if not near or not near[0]:
         return ""
@@ -265,9 +265,9 @@ def _context_labels(
     trouble: Trouble, repair: Repair | None, tokens: Sequence[Token], source: Source
 ) -> tuple[Label, ...]:
     """Returns a label for an open bracket, or for the end of a line where something is missing."""
-    kinds = accepted(trouble.automaton, trouble.stack)
-    brackets = open_marks(trouble.automaton, trouble.stack, "LPAR", "RPAR")
-    brackets += open_marks(trouble.automaton, trouble.stack, "LSQB", "RSQB")
+    kinds = trouble.stack.accepted()
+    brackets = trouble.stack.open_marks("LPAR", "RPAR")
+    brackets += trouble.stack.open_marks("LSQB", "RSQB")
     written = [number for number in brackets if number >= 0]
     if written and {"RPAR", "RSQB"} & set(kinds):
         return (Label(token_span(tokens[max(written)], source), "opened here"),)
@@ -297,7 +297,7 @@ def expected_text(trouble: Trouble, kinds: Sequence[str]) -> str:
             left.discard("LPAR")
         left -= {"DOT", "LSQB"}
     phrases += [PHRASES[kind] for kind in PHRASES if kind in left]
-    words = trouble.automaton.words
+    words = trouble.words
     phrases += sorted(f"`{words.get(kind, kind)}`" for kind in left - PHRASES.keys())
     if len(phrases) > LONGEST:
         phrases = [*phrases[: LONGEST - 1], "something else"]
