@@ -40,17 +40,17 @@ class Pool:
 
 def check_placement(game: ir.Game, sources: Mapping[str, Source], problems: Problems) -> None:
     """Reports agents and movers without a place at the start, and sends without enough cells."""
-    sorts = {AGENTS: game.agents.number} | {movers.sort: movers.number for movers in game.movers}
-    for sort, many in sorts.items():
-        missing = [i for i in range(many) if not _always_sent(game.start.body, Body(sort, i))]
+    numbers = {AGENTS: game.agents.number} | {movers.sort: movers.number for movers in game.movers}
+    bodies: list[Body] = []
+    for sort, number in numbers.items():
+        of_sort = [Body(sort, i) for i in range(number)]
+        bodies += of_sort
+        missing = [body.number for body in of_sort if not _always_sent(game.start.body, body)]
         if missing:
-            who = (
-                f"{sort.name} {missing[0]}"
-                if len(missing) == 1
-                else f"{sort.plural} {missing[0]} .. {missing[-1]}"
-            )
+            who = f"{sort.name} {missing[0]}"
+            if len(missing) > 1:
+                who = f"{sort.plural} {missing[0]} .. {missing[-1]}"
             problems.add(errors.NotSentAtStart(game.start.span, who=who, sort=sort.name))
-    bodies = [Body(sort, number) for sort, many in sorts.items() for number in range(many)]
     for phase in phases_of(game):
         for problem in _without_room(phase, game, bodies, sources):
             problems.add(problem)
@@ -85,16 +85,22 @@ def _always_sent(body: tuple[ir.Stmt, ...], agent: Body) -> bool:
     return False
 
 
-def _ways(s: ir.When, agent: Body) -> list[tuple[ir.Stmt, ...]]:
-    """Returns the ways through a `when` that are open to this agent, as far as conditions on its index tell."""
-    found = []
+def _ways(s: ir.When, agent: Body, certain: bool = True) -> list[tuple[ir.Stmt, ...]]:
+    """Returns the ways through a `when` that are open to this agent, by conditions on its index.
+
+    certain: whether a condition also decides about ways that have quantifiers of their own. These
+      may mean another agent.
+    """
+    ways = []
     for branch in s.branches:
-        decided = _decide(branch.test, agent)
+        decided = None
+        if certain or not _has_quantifier(branch.body):
+            decided = _decide(branch.test, agent)
         if decided is not False:
-            found.append(branch.body)
+            ways.append(branch.body)
         if decided is True:
-            return found
-    return [*found, s.otherwise]
+            return ways
+    return [*ways, s.otherwise]
 
 
 def _decide(test: ir.Expr, agent: Body) -> bool | None:
@@ -153,46 +159,35 @@ def _possible_sends(body: tuple[ir.Stmt, ...], agent: Body) -> list[ir.Send]:
 
     What a condition on its index excludes is looked at all the same where it has quantifiers of its own: these may mean another agent.
     """
-    found: list[ir.Send] = []
+    sends: list[ir.Send] = []
     for s in body:
         match s:
             case ir.Send():
                 if _is_of(s.who, agent):
-                    found.append(s)
+                    sends.append(s)
             case ir.Each() | ir.Pick() | ir.First():
                 where = s.domain.where if _is_of(s.domain.var, agent) else None
                 if where is None or _decide(where, agent) is not False or _has_quantifier(s.body):
-                    found += _possible_sends(s.body, agent)
+                    sends += _possible_sends(s.body, agent)
                 if isinstance(s, ir.Pick):
-                    found += _possible_sends(s.otherwise, agent)
+                    sends += _possible_sends(s.otherwise, agent)
             case ir.Match():
-                found += _possible_sends(s.body, agent)
+                sends += _possible_sends(s.body, agent)
             case ir.When():
-                found += _when_sends(s, agent)
+                for way in _ways(s, agent, certain=False):
+                    sends += _possible_sends(way, agent)
             case ir.Chance():
-                for part in (*(branch.body for branch in s.branches), s.otherwise):
-                    found += _possible_sends(part, agent)
+                for way in (*(branch.body for branch in s.branches), s.otherwise):
+                    sends += _possible_sends(way, agent)
             case _:
                 pass
-    return found
+    return sends
 
 
 def _has_quantifier(body: tuple[ir.Stmt, ...]) -> bool:
     return any(
         isinstance(n, ir.Each | ir.Pick | ir.First | ir.Match) for s in body for n in ir.walk(s)
     )
-
-
-def _when_sends(s: ir.When, agent: Body) -> list[ir.Send]:
-    """Returns the sends in the branches that an agent may reach."""
-    found: list[ir.Send] = []
-    for branch in s.branches:
-        decided = _decide(branch.test, agent)
-        if decided is not False or _has_quantifier(branch.body):
-            found += _possible_sends(branch.body, agent)
-        if decided is True and not _has_quantifier(branch.body):
-            return found
-    return found + _possible_sends(s.otherwise, agent)
 
 
 def _without_room_at_start(
@@ -237,18 +232,16 @@ def _cells_at_start(pool: Pool, agent: Body, game: ir.Game) -> tuple[set[Place],
     possible = set()
     for s in pool.sends:
         known = {s.who.name: agent.number} if isinstance(s.who, ir.Member) else {}
-        by_glyph = s.domain.where is not None and reads_only_fields(
-            s.domain.where, s.domain.var.name
-        )
-        found: dict[Place | str, bool | None] = {}
-        for place in places(game, s.domain.var.kinds):
+        domain = s.domain
+        by_glyph = domain.where is not None and reads_only_fields(domain.where, domain.var.name)
+        fits: dict[Place | str, bool | None] = {}
+        for place in places(game, domain.var.kinds):
             key = place.glyph if by_glyph else place
-            if key not in found:
-                found[key] = s.domain.where is None or holds_at_start(
-                    s.domain.where, {**known, s.domain.var.name: place}, game
-                )
-            if found[key] is not False:
+            if key not in fits:
+                names = {**known, domain.var.name: place}
+                fits[key] = domain.where is None or holds_at_start(domain.where, names, game)
+            if fits[key] is not False:
                 possible.add(place)
-            if found[key] is True:
+            if fits[key] is True:
                 sure.add(place)
     return sure, possible

@@ -103,23 +103,29 @@ def _read(e: Node) -> Iterator[TaskPart]:
 
 def rows_of_training(task: Task) -> SideRows:
     """Returns the tasks for which the condition of no `hold out` holds."""
-    conditions = tuple(hold_out.condition for hold_out in task.hold_outs)
-    parts = parts_read(task, conditions)
-    return SideRows(parts, tuple(_rows(task, parts, conditions, some_holds=False)))
+    parts, rows = _side(task, task.hold_outs, some_holds=False)
+    return SideRows(parts, tuple(rows))
 
 
 def rows_of_hold_out(task: Task, hold_out: HoldOut) -> SideRows:
     """Returns the tasks for which the condition of a `hold out` holds."""
-    conditions = (hold_out.condition,)
-    parts = parts_read(task, conditions)
-    return SideRows(parts, tuple(_rows(task, parts, conditions, some_holds=True)))
+    parts, rows = _side(task, (hold_out,), some_holds=True)
+    return SideRows(parts, tuple(rows))
 
 
 def holds_out_any(task: Task, hold_out: HoldOut) -> bool:
     """Returns whether the condition of a `hold out` holds for a task; lists no more than one."""
-    conditions = (hold_out.condition,)
+    _, rows = _side(task, (hold_out,), some_holds=True)
+    return next(rows, None) is not None
+
+
+def _side(
+    task: Task, hold_outs: Sequence[HoldOut], some_holds: bool
+) -> tuple[tuple[TaskPart, ...], Iterator[Row]]:
+    """Returns the parts that conditions read, and their rows for which some holds, or none."""
+    conditions = tuple(hold_out.condition for hold_out in hold_outs)
     parts = parts_read(task, conditions)
-    return next(_rows(task, parts, conditions, some_holds=True), None) is not None
+    return parts, _rows(task, parts, conditions, some_holds)
 
 
 def rows_of_side(task: Task) -> SideRows:
