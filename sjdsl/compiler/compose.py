@@ -228,10 +228,11 @@ def _entries(section: ast.Section) -> list[Entry]:
             return []
         case ast.About(name=name):
             return [Entry("about", name.text, f"about {name.text}", name.span, section)]
-        case ast.Checks(name=None):
-            return []
-        case ast.Checks(name=ast.Name() as name):
-            return [Entry("checks", name.text, f"checks {name.text}", name.span, section)]
+        case ast.Checks():
+            block = section.name
+            if block is None:
+                return []
+            return [Entry("checks", block.text, f"checks {block.text}", block.span, section)]
         case ast.Map() | ast.Episode() | ast.Schedule():
             table = type(section).__name__.lower()
             return [Entry(table, "", table, section.span, section)]

@@ -426,17 +426,11 @@ class Program:
         """Returns the parts of `Played` for one world."""
 
         def advance(carry: Any, chosen: Array) -> Any:
-            """Takes a step; an episode that is over stays as it is."""
-            before, totals_before, was_over = carry
-            after = self._play.step(before, totals_before, params, key, bias, chosen)
+            """Takes a step, and notes which statements ran in it."""
+            *_, was_over = carry
+            carry, after = self._play.go_on(carry, params, key, bias, chosen)
             events = [after.events[name] > 0 for name in self._play.counted]
             ran = jnp.array(events, bool) & ~was_over
-            state, totals = jax.tree.map(
-                lambda old, new: jnp.where(was_over, old, new),
-                (before, totals_before),
-                (after.state, after.totals),
-            )
-            carry = (state, totals, was_over | after.is_over)
             return carry, (after.values, was_over, after.is_finite, ran)
 
         (state, totals, is_over), (values, was_over, is_finite, ran) = jax.lax.scan(

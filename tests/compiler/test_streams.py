@@ -100,11 +100,11 @@ def test_streams_are_made_as_the_semantics_say() -> None:
 def test_no_statement_is_elaborated_twice(monkeypatch: pytest.MonkeyPatch) -> None:
     """Each time counts as a repeat of its text, so that a second one would change the draws of all that follow with the same text."""
     seen, elaborate = Counter[tuple[int, Span]](), statements.stmt
-    uses: list[Streams] = []  # kept, so that no other gets the same id
+    uses: list[Any] = []  # kept, so that no other gets the same id
 
     def counted(s: Any, scope: Any, use: Streams) -> Any:
-        uses.append(use)
-        seen[id(use), s.span] += 1
+        uses.append(use.seen)  # one counter for all blocks of a phase
+        seen[id(use.seen), s.span] += 1
         return elaborate(s, scope, use)
 
     monkeypatch.setattr(statements, "stmt", counted)

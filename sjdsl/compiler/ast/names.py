@@ -123,9 +123,9 @@ class Names:
     def sort(self, symbol: Symbol) -> str:
         """Returns what something of the shared name space is, as messages call it."""
         node = self.nodes[symbol]
-        return SORTS.get(type(node)) or (
-            "size" if isinstance(node, ast.Constant) and node.is_size else "parameter"
-        )
+        if isinstance(node, ast.Constant):
+            return "size" if node.is_size else "parameter"
+        return SORTS[type(node)]
 
     def owners(self, name: str) -> Owners:
         """Returns what members of a domain are: of `agent`, a kind, a group, a sort of movers."""
@@ -160,14 +160,14 @@ class Names:
 
 def names_of(files: Iterable[ast.File]) -> Names:
     """Returns what games declare together, their variants too: those of the text itself first."""
-    found = Names()
+    names = Names()
     for file in files:
         for symbol, node in declarations(file):
-            found.nodes.setdefault(symbol, node)
-        found.words |= {
-            name.text for node in walk(file) if isinstance(node, ast.Words) for name in node.names
-        }
-    return found
+            names.nodes.setdefault(symbol, node)
+        for node in walk(file):
+            if isinstance(node, ast.Words):
+                names.words.update(name.text for name in node.names)
+    return names
 
 
 # Names that elaboration resolves where it gets to them, and in which name spaces their spelling counts where it doesn't.
@@ -189,10 +189,10 @@ def occurrences(
       names: what the game declares, with its bases.
       resolved: what elaboration found names to stand for, in this game, in its variants, and perhaps in games that stand on it.
     """
-    found = {}
+    by_span = {}
     for symbol, node in declarations(file):
         span = node.name.span  # type: ignore[attr-defined]
-        found[span] = Occurrence(span, (symbol,), True)
+        by_span[span] = Occurrence(span, (symbol,), True)
     used = {symbol for symbols in resolved.values() for symbol in symbols}
     for node in walk(file):
         match node:
@@ -200,18 +200,20 @@ def occurrences(
                 for word in node.names:
                     # `draw colour from { red, green }` and `in { red, green }` are uses.
                     if word.span not in resolved:
-                        found[word.span] = Occurrence(word.span, (Symbol("word", word.text),), True)
+                        by_span[word.span] = Occurrence(
+                            word.span, (Symbol("word", word.text),), True
+                        )
             case ast.Name(span=span) if local_symbol(node) in used:
-                found[span] = Occurrence(span, (local_symbol(node),), True)
+                by_span[span] = Occurrence(span, (local_symbol(node),), True)
             case ast.Name(span=span) if span in resolved:
                 symbols = tuple(sorted(symbol for symbol in resolved[span] if names.knows(symbol)))
                 if symbols:
-                    found[span] = Occurrence(span, symbols)
+                    by_span[span] = Occurrence(span, symbols)
             case _ if type(node) in USES:
                 name: ast.Name = node.kind if isinstance(node, ast.Domain | ast.On) else node.name  # type: ignore[attr-defined]
                 symbols = tuple(sorted(names.called(name.text, USES[type(node)])))
                 if name.span not in resolved and symbols:
-                    found[name.span] = Occurrence(name.span, symbols)
+                    by_span[name.span] = Occurrence(name.span, symbols)
             case _:
                 pass
-    return sorted(found.values(), key=lambda o: o.span.start)
+    return sorted(by_span.values(), key=lambda o: o.span.start)

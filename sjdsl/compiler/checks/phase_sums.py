@@ -11,8 +11,8 @@ from typing import Literal, NamedTuple
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.checks.value_ranges import (
-    Here,
     Interval,
+    IntRanges,
     interval_of,
     visit,
     visit_children,
@@ -87,12 +87,12 @@ def merged(sums_of_blocks: Iterable[Sums], all_happen: bool = True) -> Sums:
     return total
 
 
-def sums_of(phase: ir.Phase, here: Here) -> Sums:
+def sums_of(phase: ir.Phase, ranges: IntRanges) -> Sums:
     """Goes through a phase, and returns what it adds, whatever variable names the owner.
 
     Two variables can be one agent or cell.
     """
-    sums = block(phase.body, here)
+    sums = block(phase.body, ranges)
     return merged({target._replace(owner=""): sum_} for target, sum_ in sums.items())
 
 
@@ -105,74 +105,74 @@ def _often(sums: Sums, number: float, *members: ir.Member | None) -> Sums:
     }
 
 
-def block(body: tuple[ir.Stmt, ...], here: Here) -> Sums:
+def block(body: tuple[ir.Stmt, ...], ranges: IntRanges) -> Sums:
     """Goes through the statements of a block, and returns what they add."""
     sums = []
     for statement in body:
         match statement:
             case ir.Let(name=name, value=value) if value.type.kind in ("int", "real"):
-                here = here.with_local(name, interval_of(value, here))
+                ranges = ranges.with_local(name, interval_of(value, ranges))
             case ir.Draw(name=name, low=ir.Expression() as low, high=ir.Expression() as high):
-                first, _ = interval_of(low, here)
-                _, last = interval_of(high, here)
-                here = here.with_local(name, (first, last))
+                first, _ = interval_of(low, ranges)
+                _, last = interval_of(high, ranges)
+                ranges = ranges.with_local(name, (first, last))
             case _:
-                sums.append(_statement(statement, here))
+                sums.append(_statement(statement, ranges))
     return merged(sums)
 
 
-def _statement(s: ir.Stmt, here: Here) -> Sums:
+def _statement(s: ir.Stmt, ranges: IntRanges) -> Sums:
     """Returns what one statement adds, and goes through all the numbers in it."""
     match s:
         case ir.Each() | ir.Pick() | ir.First():
-            return _quantified(s, here)
+            return _quantified(s, ranges)
         case ir.Match():
-            number = min(most_members(d, here.played.game) for d in (s.left, s.right))
-            sums = block(s.body, here.inside(s.left).inside(s.right))
+            number = min(most_members(d, ranges.played.game) for d in (s.left, s.right))
+            sums = block(s.body, ranges.inside(s.left).inside(s.right))
             return _often(sums, number, s.left.var, s.left.on, s.right.var, s.right.on)
         case ir.When() | ir.Chance():
-            return _branched(s, here)
+            return _branched(s, ranges)
         case ir.Set():
-            _set(s, here)
+            _set(s, ranges)
         case ir.Add():
-            return _add(s, here)
+            return _add(s, ranges)
         case ir.Tally():
             for part in (s.word, s.receiver):
                 if part is not None:
-                    visit(part, here)
-            each = (1, 1) if s.amount is None else interval_of(s.amount, here)
+                    visit(part, ranges)
+            each = (1, 1) if s.amount is None else interval_of(s.amount, ranges)
             return _adding(Target("event", "", s.event, _name(s.receiver)), s, each)
         case ir.Send() if s.after is not None:
-            visit(s.after, here)
+            visit(s.after, ranges)
             # Where it goes is looked up when it comes back: what is known now may not hold then.
-            visit(s.domain, here.before())
+            visit(s.domain, ranges.before())
         case _:
-            visit_children(s, here)
+            visit_children(s, ranges)
     return {}
 
 
-def _branched(s: ir.When | ir.Chance, here: Here) -> Sums:
+def _branched(s: ir.When | ir.Chance, ranges: IntRanges) -> Sums:
     """Returns what the ways through a statement add, of which one is taken."""
     ways = []
     for branch in s.branches:
-        visit(branch.test, here)
+        visit(branch.test, ranges)
         if isinstance(s, ir.Chance):
-            ways.append(block(branch.body, here))
+            ways.append(block(branch.body, ranges))
         else:
-            ways.append(block(branch.body, here.knowing(branch.test)))
-            here = here.knowing(branch.test, holds=False)
-    return merged([*ways, block(s.otherwise, here)], all_happen=False)
+            ways.append(block(branch.body, ranges.knowing(branch.test)))
+            ranges = ranges.knowing(branch.test, holds=False)
+    return merged([*ways, block(s.otherwise, ranges)], all_happen=False)
 
 
-def _add(s: ir.Add, here: Here) -> Sums:
+def _add(s: ir.Add, ranges: IntRanges) -> Sums:
     """Returns what an `add` adds to a whole number that is capped.
 
     Others are reals, or proved to stay in their range.
     """
     field = written_field(s.target)
-    visit_children(s.target, here)  # what names it: what it holds is not read
-    each = interval_of(s.value, here)
-    if field.type.kind != "int" or not declared_field(here.played.game, field).capped:
+    visit_children(s.target, ranges)  # what names it: what it holds is not read
+    each = interval_of(s.value, ranges)
+    if field.type.kind != "int" or not declared_field(ranges.played.game, field).capped:
         return {}
     return _adding(Target("field", field.held_by.what, field.name, _name(field.owner)), s, each)
 
@@ -186,37 +186,37 @@ def _adding(target: Target, s: ir.Add | ir.Tally, each: Interval) -> Sums:
     return {target: Sum(min(low, 0), max(high, 0), Part(s, each))}
 
 
-def _quantified(s: ir.Each | ir.Pick | ir.First, here: Here) -> Sums:
+def _quantified(s: ir.Each | ir.Pick | ir.First, ranges: IntRanges) -> Sums:
     """Returns what the members of a domain add together."""
-    game = here.played.game
+    game = ranges.played.game
     number: float = most_members(s.domain, game)
     if isinstance(s, ir.Pick):
-        _, picked = interval_of(s.number, here)
+        _, picked = interval_of(s.number, ranges)
         number = min(number, picked)
-    sums = block(s.body, here.inside(s.domain))
+    sums = block(s.body, ranges.inside(s.domain))
     if isinstance(s, ir.First):  # two lanes can reach one member
         assert isinstance(s.domain.restriction, ir.Near)
         return _often(sums, len(lanes_of(s.domain.restriction, game)))
     sums = _often(sums, number, s.domain.var, s.domain.on)
     if isinstance(s, ir.Pick):
-        return merged([sums, block(s.otherwise, here)], all_happen=False)
+        return merged([sums, block(s.otherwise, ranges)], all_happen=False)
     return sums
 
 
-def _set(s: ir.Set, here: Here) -> None:
+def _set(s: ir.Set, ranges: IntRanges) -> None:
     """Goes through a `set`, and keeps what a timer is set to."""
-    visit_children(s.target, here)
-    _, high = interval_of(s.value, here)
+    visit_children(s.target, ranges)
+    _, high = interval_of(s.value, ranges)
     if s.value.type.kind != "int" or s.target.type.high < inf:  # not a timer
         return
     field = written_field(s.target)
     held = (field.held_by.what, field.name)
-    played = here.played
+    played = ranges.played
     added = _counted_on(s.value, held)
     if added is None:
         played.sets[held] = max(played.sets.get(held, 0), high)
     else:
-        _, most = interval_of(added, here)
+        _, most = interval_of(added, ranges)
         played.growth[held] = played.growth.get(held, 0) + max(most, 0)
 
 

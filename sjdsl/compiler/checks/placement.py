@@ -238,7 +238,7 @@ def _cells_at_start(pool: Pool, agent: Body, game: ir.Game) -> tuple[set[Place],
         for place in places(game, domain.var.kinds):
             key = place.glyph if by_glyph else place
             if key not in fits:
-                names = {**known, domain.var.name: place}
+                names: dict[str, Place | int] = {**known, domain.var.name: place}
                 fits[key] = domain.where is None or holds_at_start(domain.where, names, game)
             if fits[key] is not False:
                 possible.add(place)

@@ -18,8 +18,8 @@ from sjdsl.compiler.checks.value_ranges import (
     HIGHEST,
     LOWEST,
     Held,
-    Here,
     Interval,
+    IntRanges,
     Leaving,
     Played,
     interval_of,
@@ -58,7 +58,7 @@ def beyond_int32(game: ir.Game, params: Mapping[str, Any]) -> list[Diagnostic]:
       params: the value of each by name, a table as nested tuples in the order of its entries.
     """
     played = Played(game, params, trials=1 if game.trials is None else game.trials.number)
-    low, high = interval_of(game.episode, Here(played))
+    low, high = interval_of(game.episode, IntRanges(played))
     if low < 1 or played.leaving or high * played.trials > HIGHEST:
         return [_of_episode(played, low, high)]
     played.steps = high
@@ -71,7 +71,7 @@ def beyond_int32(game: ir.Game, params: Mapping[str, Any]) -> list[Diagnostic]:
     for part in ir.children(game):
         is_required = isinstance(part, ir.Check) and part.kind == "require"
         if not isinstance(part, ir.Phase) and not is_required:
-            visit(part, Here(played))
+            visit(part, IntRanges(played))
     problems = [_of_number(leaving) for leaving in played.leaving]
     for target, sum_ in events.items():
         if leaves_int32(sum_.interval):
@@ -95,7 +95,7 @@ def _settled(played: Played) -> list[Sums]:
         played.leaving = []
         played.sets = {}
         played.growth = {}
-        sums = [sums_of(phase, Here(played)) for phase in phases]
+        sums = [sums_of(phase, IntRanges(played)) for phase in phases]
         rising = {}
         for held, before in played.timers.items():
             grown = times(played.growth.get(held, 0), played.steps_of_episode)
@@ -159,7 +159,7 @@ def _of_number(leaving: Leaving) -> Diagnostic:
     name = text(value)
     if isinstance(value, ir.Arithmetic) and name.startswith("("):
         name = name[1:-1]  # as an author would write it
-    labels = _values_read(value, leaving.here.played)
+    labels = _values_read(value, leaving.ranges.played)
     reached, limit = _beyond(leaving.interval)
     return errors.BeyondInt32(
         value.span, labels=labels, name=name, reached=reached, limit=limit, help=_bounded(leaving)
@@ -201,13 +201,13 @@ def _bound(part: ir.Expr, leaving: Leaving) -> int | None:
 
     def fits(bound: int) -> bool:
         """Returns whether the number stays in int32 if what it reads is at most `bound`."""
-        played = replace(leaving.here.played, leaving=[])
-        here = leaving.here
+        played = replace(leaving.ranges.played, leaving=[])
+        ranges = leaving.ranges
         if isinstance(part, ir.ParamRef):
             played.params = {**played.params, part.name: bound}
         else:
-            here = here.bounded(part, (-inf, bound))
-        interval_of(leaving.value, replace(here, played=played))
+            ranges = ranges.bounded(part, (-inf, bound))
+        interval_of(leaving.value, replace(ranges, played=played))
         return not played.leaving
 
     return None if part.type.indexed_by or not fits(1) else boundary(1, HIGHEST, fits)

@@ -37,7 +37,7 @@ def target_of(path: ast.Path, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
             raise scope.fail(errors.TrialIsCounted(path.span))
         if is_of_world and field.name in scope.static.task_fields:
             raise scope.fail(errors.TaskWritten(path.span, name=field.name))
-        return target, declaration(field, scope)
+        return target, scope.static.fields_of(field.held_by)[field.name]
     match field:
         case ir.Attribute(name="row" | "col", owner=ir.Member(sort=ir.Sort("mover", (name,)))):
             help_ = (
@@ -56,20 +56,6 @@ def target_of(path: ast.Path, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
         case _:
             help_ = "only fields can be written"
     raise scope.expected(path.span, "a field", describe(target.type), help_)
-
-
-def declaration(field: ir.FieldRead, scope: Scope) -> ir.VarField:
-    """Returns the declaration of a field that is read or written."""
-    static = scope.static
-    match field.held_by.what:
-        case "world":
-            return static.fields[field.name]
-        case "agent":
-            return static.agent_fields[field.name]
-        case "mover":
-            return static.mover_fields(field.held_by.name)[field.name]
-        case "cell":
-            return static.kinds[field.held_by.names[0]][field.name]
 
 
 def _target_beside(s: ast.Set | ast.Add, scope: Scope) -> tuple[ir.Expr, ir.VarField]:

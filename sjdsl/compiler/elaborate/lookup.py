@@ -384,7 +384,9 @@ def _owners_of_field(name: str, static: Static) -> list[str]:
     if name in static.agent_fields or name in AGENT_ATTRIBUTES:
         owners.append("agent")
     owners += [kind for kind, fields in static.kinds.items() if name in fields]
-    owners += [movers for movers in static.movers if name in static.mover_fields(movers)]
+    for movers in static.movers.values():
+        if name in static.fields_of(movers.sort):
+            owners.append(movers.name)
     return owners
 
 

@@ -159,7 +159,7 @@ def _of_owner(owner: ast.Name, name: ast.Name, scope: Scope) -> list[Seen]:
     static = scope.static
     head = owner.text
     if head in static.movers and Symbol("field", name.text, head) not in static.broken:
-        fields = static.mover_fields(head)
+        fields = static.fields_of(ir.Sort("mover", (head,)))
         if name.text not in fields:
             raise no_field(name, f"a mover `{head}`", fields, scope.problems)
         static.refer(owner, Symbol("name", head))

@@ -101,19 +101,18 @@ def member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     known: tuple[str, ...]
     if is_member(owner, "mover"):  # its heading is a field
         held_by = owner.sort
-        fields = static.mover_fields(held_by.name)
         described = f"a mover `{held_by.name}`"
         known = MOVER_ATTRIBUTES
         types["index"] = integer(0, static.movers[held_by.name].number - 1, "number")
     elif is_agent(owner):
         check_somebody(owner, name.span, scope)
         held_by = AGENTS
-        fields = static.agent_fields
         described = "an agent"
         known = AGENT_ATTRIBUTES
     else:
         wanted = "an agent or a cell before the point"
         raise scope.expected(name.span, wanted, describe(owner.type))
+    fields = static.fields_of(held_by)
     if name.text in fields:
         static.use(name, Symbol("field", name.text, held_by.name))
         return ir.FieldRead(

@@ -37,12 +37,7 @@ def start(game: Composition, scope: Scope) -> ir.Phase | None:
     if phase is None:
         scope.problems.add(errors.NoStart(game.span))
         return None
-    with scope.problems.skip_if_broken():
-        _check_moment(phase, scope)
-        check_arguments("start", phase.name.span, len(phase.parameters), 0, scope)
-    typed = _typed_phase(phase, "start", "start", {}, replace(scope, part="start"))
-    _check_before_steps(typed, scope)
-    return typed
+    return _beginning(phase, "start", {}, replace(scope, part="start"))
 
 
 def starting(game: Composition, scope: Scope) -> tuple[ir.Phase, ...]:
@@ -52,16 +47,24 @@ def starting(game: Composition, scope: Scope) -> tuple[ir.Phase, ...]:
     scope = scope.knowing([no_step_yet])
     typed: list[ir.Phase] = []
     for name, phase in game.phases.items():
-        if name == "start" or phase.at is None:
-            continue
-        with scope.problems.skip_if_broken():
-            _check_moment(phase, scope)
-            check_arguments(name, phase.name.span, len(phase.parameters), 0, scope)
-        values = dict.fromkeys(parameter.text for parameter in phase.parameters)
-        function = functions.fresh(phase_function(name))
-        typed.append(_typed_phase(phase, name, function, values, scope))
-        _check_before_steps(typed[-1], scope)
+        if name != "start" and phase.at is not None:
+            unknown_values = dict.fromkeys(parameter.text for parameter in phase.parameters)
+            function = functions.fresh(phase_function(name))
+            typed.append(_beginning(phase, function, unknown_values, scope))
     return tuple(typed)
+
+
+def _beginning(
+    phase: ast.Phase, function: str, values: dict[str, ir.Expr | str | None], scope: Scope
+) -> ir.Phase:
+    """Returns a phase with which an episode begins; it has no parameters."""
+    name = phase.name
+    with scope.problems.skip_if_broken():
+        _check_moment(phase, scope)
+        check_arguments(name.text, name.span, len(phase.parameters), 0, scope)
+    typed = _typed_phase(phase, name.text, function, values, scope)
+    _check_before_steps(typed, scope)
+    return typed
 
 
 def _check_moment(phase: ast.Phase, scope: Scope) -> None:

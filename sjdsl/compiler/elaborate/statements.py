@@ -80,12 +80,6 @@ def stmt(s: ast.Stmt, scope: Scope, streams: Streams) -> tuple[ir.Stmt, Scope]:
             assert_never(s)
 
 
-def inside(b: ast.Block, header: str, scope: Scope, streams: Streams) -> tuple[ir.Stmt, ...]:
-    """Returns a block inside a statement, whose header becomes part of the inner streams' names."""
-    with streams.inside(header):
-        return block(b, scope, streams)
-
-
 def let(s: ast.Let, scope: Scope) -> tuple[ir.Stmt, Scope]:
     """Returns a typed `let`, and the scope after it."""
     value = scope.narrowed(s.value)
@@ -313,13 +307,13 @@ def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, streams: Stream
     number = _number_picked(s, scope) if isinstance(s, ast.Pick) else None
     members, inner = _domain(s.domain, scope)
     if members is None:
-        inside(s.block, header, inner, streams)
+        block(s.block, inner, streams.inside(header))
         raise Poisoned
     stream = streams.of_statement(header)
     if isinstance(s, ast.First) and not isinstance(members.restriction, ir.Near):
         wanted = "`in SHAPE of x` after `first`"
         raise scope.expected(s.domain.span, wanted, "a domain without a shape")
-    body = inside(s.block, header, inner, streams)
+    body = block(s.block, inner, streams.inside(header))
     match s:
         case ast.Each():
             return ir.Each(domain=members, body=body, origin=s.span)
@@ -376,11 +370,8 @@ def other_branch(
     b: ast.Otherwise, header: str, scope: Scope, streams: Streams
 ) -> tuple[ir.Stmt, ...]:
     """Returns what happens otherwise: a block, or one more `when` or `chance`."""
-    header = f"{header} otherwise"
-    if isinstance(b, ast.Block):
-        return inside(b, header, scope, streams)
-    with streams.inside(header):
-        return (branched(b, scope, streams),)
+    streams = streams.inside(f"{header} otherwise")
+    return block(b, scope, streams) if isinstance(b, ast.Block) else (branched(b, scope, streams),)
 
 
 def match_(s: ast.Match, scope: Scope, streams: Streams) -> ir.Stmt:
@@ -390,12 +381,12 @@ def match_(s: ast.Match, scope: Scope, streams: Streams) -> ir.Stmt:
     left, inner = _domain(s.left, scope)
     right, inner = _domain(s.right, inner)
     if left is None or right is None:
-        inside(s.block, header, inner, streams)
+        block(s.block, inner, streams.inside(header))
         raise Poisoned
     if s.first and not isinstance(right.restriction, ir.Near):
         wanted = "`in SHAPE of x` after `with first`"
         raise scope.expected(s.right.span, wanted, "a domain without a shape")
-    body = inside(s.block, header, inner, streams)
+    body = block(s.block, inner, streams.inside(header))
     return ir.Match(left=left, right=right, first=s.first, body=body, stream=stream, origin=s.span)
 
 
@@ -416,7 +407,7 @@ def branched(s: ast.When | ast.Chance, scope: Scope, streams: Streams) -> ir.Stm
             if isinstance(tree, ast.When):
                 scope = scope.knowing([ir.Not(value=branch.test)])
         except Poisoned:
-            inside(tree.block, header, scope.after_unreadable_guard(), streams)
+            block(tree.block, scope.after_unreadable_guard(), streams.inside(header))
             if isinstance(tree, ast.When):
                 scope = scope.after_unreadable_guard()
     otherwise: tuple[ir.Stmt, ...] = ()
@@ -449,7 +440,7 @@ def _branch(s: ast.When | ast.Chance, header: str, scope: Scope, streams: Stream
         test = probability(s.probability, scope)
         if test.type.high <= 0:
             warn_never(s.probability.span, "its probability is 0", scope)
-    return ir.Branch(test=test, body=inside(s.block, header, scope, streams), origin=s.span)
+    return ir.Branch(test=test, body=block(s.block, scope, streams.inside(header)), origin=s.span)
 
 
 def probability(e: ast.Expr, scope: Scope) -> ir.Expr:

@@ -6,9 +6,7 @@ A change to one statement leaves the streams of all others alone.
 import hashlib
 import re
 from collections import Counter
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics.source import Source, Span
@@ -26,12 +24,12 @@ def layout_free(source: Source, start: int, end: int) -> str:
 class Streams:
     """Hands out stream numbers for one use of a phase.
 
-    pools: of sends, by destination.
+    around: the headers of the statements around. pools: of sends, by destination.
     """
 
     label: str
     sources: dict[str, Source]
-    around: list[str] = field(default_factory=list)
+    around: tuple[str, ...] = ()
     seen: Counter[str] = field(default_factory=Counter)
     pools: dict[str, int] = field(default_factory=dict)
 
@@ -54,14 +52,9 @@ class Streams:
         """Returns the stream that all statements of this phase use share for one purpose."""
         return number(self.label, f"{purpose}\n{text}")
 
-    @contextmanager
-    def inside(self, header: str) -> Iterator[None]:
-        """Counts the header of a statement among the surroundings of those in its block."""
-        self.around.append(header)
-        try:
-            yield
-        finally:
-            self.around.pop()
+    def inside(self, header: str) -> "Streams":
+        """Returns these streams in the block of a statement, whose header is part of their names."""
+        return replace(self, around=(*self.around, header))
 
 
 def number(label: str, text: str) -> int:

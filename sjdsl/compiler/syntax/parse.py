@@ -185,9 +185,9 @@ def _find_errors(scanned: Scan, has_version: bool) -> list[Diagnostic]:
             stack = after
             at += 1
             continue
-        trouble = Trouble(kinds, texts, closing, stack, before, at)
+        trouble = Trouble(scanned.source, tokens, kinds, texts, closing, stack, before, at)
         repair = find_repair(trouble)
-        _report(search, trouble, repair, scanned)
+        _report(search, trouble, repair)
         if repair is None:
             break
         before = None
@@ -197,7 +197,7 @@ def _find_errors(scanned: Scan, has_version: bool) -> list[Diagnostic]:
     return list(search.problems.values())
 
 
-def _report(search: Search, trouble: Trouble, repair: Repair | None, scanned: Scan) -> None:
+def _report(search: Search, trouble: Trouble, repair: Repair | None) -> None:
     """Adds an error, unless it follows from one before."""
     change = 0  # of the number of open braces
     follows = False
@@ -210,7 +210,7 @@ def _report(search: Search, trouble: Trouble, repair: Repair | None, scanned: Sc
     if is_worse or follows:
         search.owed += change
     if trouble.at >= search.quiet and not follows:
-        _add(search, word_error(trouble, repair, scanned.tokens, scanned.source))
+        _add(search, word_error(trouble, repair))
     search.quiet = 0 if repair is None or repair.is_sure else repair.resume + ENOUGH
 
 

@@ -7,7 +7,7 @@ a row here is a clause, such as `as x` or `where c`: it is its content.
 from collections.abc import Callable
 from dataclasses import fields, replace
 from itertools import zip_longest
-from typing import Any, Literal
+from typing import Any, Literal, TypeGuard
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.ast.node import Node
@@ -47,6 +47,11 @@ def node(kind: type[Node]) -> Build:
         return built
 
     return build
+
+
+def is_node(value: object) -> TypeGuard[type[Node]]:
+    """Returns whether something is a class of nodes."""
+    return isinstance(value, type) and issubclass(value, Node)
 
 
 def _missing(type_: Any) -> Any:
@@ -150,20 +155,9 @@ def arm(span: Span, key: tuple[Any, ...], value: ast.Expr) -> ast.Arm:
     raise AssertionError(key)
 
 
-# The rules whose nodes have the names of the rules.
-PLAIN = (
-    ast.Cite, ast.About, ast.Override, ast.Drop, ast.Table, ast.Episode, ast.Trials, ast.Task,
-    ast.Kind, ast.Numbers, ast.Words, ast.Group, ast.Movers, ast.Acts, ast.Action, ast.Moves,
-    ast.Schedule, ast.Turn, ast.Block, ast.Let, ast.Each, ast.Pick, ast.First, ast.When, ast.Chance,
-    ast.Add, ast.Give, ast.Remove, ast.Move, ast.Ahead, ast.Along, ast.End, ast.Members,
-    ast.Observe, ast.Paint, ast.Metrics, ast.Require, ast.Always, ast.Once, ast.Conserved,
-    ast.Monotone, ast.Act, ast.Slots, ast.Chose, ast.Standing, ast.Within, ast.Nobody, ast.Count,
-    ast.Total, ast.Case, ast.Call, ast.Path, ast.Member, ast.Index, ast.Variant, ast.Constant,
-    ast.Field, ast.Timer, ast.Range, ast.Reals, ast.Agents, ast.Argument, ast.Define, ast.Phase,
-    ast.Draw, ast.Match, ast.Set, ast.Tally, ast.Send, ast.Shift, ast.Domain, ast.On, ast.Relabel,
-    ast.Hide, ast.Event, ast.Checks, ast.Go, ast.Scenario, ast.Extreme, ast.All,
-)  # fmt: skip
-RULES: dict[str, Build] = {kind.__name__.lower(): node(kind) for kind in PLAIN} | {
+# Most rules have the names of the classes of their nodes.
+NODES = {kind.__name__.lower(): node(kind) for kind in vars(ast).values() if is_node(kind)}
+RULES: dict[str, Build] = NODES | {
     "start": lambda span, version, game: ast.File(span, int(version), game),
     "game": lambda span, name, title, *sections: ast.Game(span, name, title, None, sections),
     "extending": node(ast.Game),

@@ -7,9 +7,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Literal
 
+from lark import Token
+
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.limits import MAX_DEPTH
 from sjdsl.compiler.diagnostics.slips import slip
+from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.recovery.automaton import END, Stack
 from sjdsl.near_names import nearest
 
@@ -54,9 +57,12 @@ REPEATED = 1.0  # bonus of leaving out a token that is there twice
 class Trouble(Record):
     """Where the table refused token `at`.
 
-    closing: see `parse.closing_braces`. stack, before: at that token, and at the one before it.
+    kinds, texts: of the tokens, and of the end. closing: see `parse.closing_braces`.
+    stack, before: at that token, and at the one before it.
     """
 
+    source: Source
+    tokens: Sequence[Token]
     kinds: Sequence[str]
     texts: Sequence[str]
     closing: Sequence[int]
