@@ -36,19 +36,28 @@ class Build(Record):
 
 
 def compile_source(source: Source, variants: Sequence[str] = ()) -> str:
-    """Returns the Python module for one `.sj` file. Raises CompileError with every problem of the failing stage."""
+    """Returns the Python module for one `.sj` file.
+
+    Raises CompileError with every problem of the failing stage.
+    """
     return compile_build(build(source, variants), source)
 
 
 def build(
     source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None
 ) -> Build:
-    """Returns the typed rules of a game in a variant. Raises CompileError with every problem of the failing stage."""
+    """Returns the typed rules of a game in a variant.
+
+    Raises CompileError with every problem of the failing stage.
+    """
     return build_composition(compose(source, variants), overrides)
 
 
 def build_composition(composition: Composition, overrides: Overrides | None = None) -> Build:
-    """Returns the typed rules of a game that is put together. Raises CompileError with every problem of the failing stage."""
+    """Returns the typed rules of a game that is put together.
+
+    Raises CompileError with every problem of the failing stage.
+    """
     problems = Problems()
     overrides = overrides or Overrides()
     game, declarations = elaborate(composition, overrides, problems)
@@ -70,14 +79,15 @@ def build_composition(composition: Composition, overrides: Overrides | None = No
 
 
 def lower_build(built: Build, source: Source) -> Program:
-    """Returns the array program of a checked game. Raises CompileError for what cannot be compiled exactly."""
+    """Returns the array program of a checked game.
+
+    Raises CompileError for what cannot be compiled exactly.
+    """
     try:
         return lower(built.game.rules, Path(source.name).name, built.sources)
     except NotSupported as refused:
-        assert refused.origin is not None
-        unsupported = errors.Unsupported(
-            refused.origin, feature=refused.feature, help=refused.instead
-        )
+        span = refused.origin or source.span(0, 0)
+        unsupported = errors.Unsupported(span, feature=refused.feature, help=refused.instead)
         raise CompileError([unsupported]) from None
 
 
@@ -89,7 +99,10 @@ def compile_build(built: Build, source: Source) -> str:
 
 
 def compile_rules(built: Build) -> str:
-    """Returns the Python module of a checked game without the files and lines of its text: games of the same rules have the same."""
+    """Returns the Python module of a checked game without the files and lines of its text.
+
+    Games of the same rules have the same.
+    """
     from sjdsl.compiler.emit.module import render
 
     program = lower_build(replace(built, sources={}), Source(f"the rules of {built.game.name}", ""))
@@ -113,7 +126,10 @@ def check(source: Source, variants: Sequence[str] = ()) -> tuple[Diagnostic, ...
 def check_composition(
     composition: Composition, overrides: Overrides | None = None
 ) -> tuple[Diagnostic, ...]:
-    """Returns every error and warning of a game that is put together, in file order; its `references` are then known."""
+    """Returns every error and warning of a game that is put together, in file order.
+
+    Its `references` are then known.
+    """
     try:
         built = build_composition(composition, overrides)
         _lowered(_Rules(built, composition.sources[composition.file]))
@@ -123,7 +139,10 @@ def check_composition(
 
 
 class _Rules:
-    """A checked game, equal to others by its rules: where they are written makes no difference to whether they can be lowered."""
+    """A checked game, equal to others by its rules.
+
+    Where they are written makes no difference to whether they can be lowered.
+    """
 
     def __init__(self, built: Build, source: Source) -> None:
         self.built = built

@@ -1,9 +1,11 @@
-"""Composes a game: inherits its base (`extends`), then adds its own sections and the chosen variants, by one rule.
+"""Composes a game.
+
+Inherits its base (`extends`), then adds its own sections and the chosen variants, by one rule.
 
     Source + variants -> Composition
 
-A repeated name replaces, inside `agents` and `observe` entry by entry; a new name is added; `set` changes a number or one
-table entry; `drop` removes.
+A repeated name replaces, inside `agents` and `observe` entry by entry; a new name is added; `set`
+changes a number or one table entry; `drop` removes.
 """
 
 from collections.abc import Iterator, Sequence
@@ -24,7 +26,8 @@ from sjdsl.compiler.syntax.parse import parse
 from sjdsl.compiler.syntax.read import inside_folder, read_source
 
 Sections = tuple[ast.Section | ast.Override | ast.Drop, ...]
-# The table of a composition that each declaration with a name goes into, and what stands before its name in messages about changes:
+# The table of a composition that each declaration with a name goes into, and what stands before its
+# name in messages about changes:
 # shapes, phases and so on have name spaces of their own.
 TABLE_OF: dict[type[Node], tuple[str, str]] = {
     ast.Constant: ("constants", ""), ast.Kind: ("kinds", ""), ast.Group: ("groups", ""), ast.Field: ("fields", ""),
@@ -39,7 +42,8 @@ TABLE_OF: dict[type[Node], tuple[str, str]] = {
 class Composition:
     """The declarations of one game in one variant, by name, in order of first appearance.
 
-    `file`: the name of the game's own file among the `sources`, which hold its bases too; `chosen`: the variants applied.
+    `file`: the name of the game's own file among the `sources`, which hold its bases too; `chosen`:
+    the variants applied.
     """
 
     name: str
@@ -121,8 +125,8 @@ class Composition:
 def compose(source: Source, variants: Sequence[str] = ()) -> Composition:
     """Returns the game of a file with its bases, and variants applied left to right.
 
-    Raises CompileError: a text that cannot be parsed, a base that cannot be read, a circle of `extends`, an unknown variant, a change to
-    what is not there, two variants that disagree.
+    Raises CompileError: a text that cannot be parsed, a base that cannot be read, a circle of
+    `extends`, an unknown variant, a change to what is not there, two variants that disagree.
     """
     game = _inherited(tuple(bases(source)))
     game.file = source.name
@@ -149,7 +153,8 @@ def compose(source: Source, variants: Sequence[str] = ()) -> Composition:
 def bases(source: Source) -> Iterator[tuple[Source, ast.File]]:
     """Yields a text with its tree, then the game that it extends, and so on.
 
-    Raises CompileError: a text that cannot be parsed, a base that cannot be read, a circle of `extends`.
+    Raises CompileError: a text that cannot be parsed, a base that cannot be read, a circle of
+    `extends`.
     """
     seen: list[Source] = []
     while True:
@@ -188,7 +193,10 @@ def _inherited(files: Sequence[tuple[Source, ast.File]]) -> Composition:
 
 
 def _base_of(name: ast.String, source: Source) -> Source:
-    """Returns the text that a file `extends`, from the file's own folder. Raises CompileError if there is none, or it cannot be read."""
+    """Returns the text that a file `extends`, from the file's own folder.
+
+    Raises CompileError if there is none, or it cannot be read.
+    """
     problems = Problems()
     path = inside_folder(name.text, name.span, source, problems)
     if path is None:
@@ -318,7 +326,10 @@ def _check_clashes(
 
 
 def _touches(a: str, b: str) -> bool:
-    """Returns whether two keys name the same thing, or one an entry of the other: `pay` and `pay[red]`."""
+    """Returns whether two keys name the same thing, or one an entry of the other.
+
+    `pay` and `pay[red]`.
+    """
     return a == b or a.startswith(f"{b}[") or b.startswith(f"{a}[")
 
 
@@ -368,7 +379,10 @@ def _add(game: Composition, section: ast.Section) -> None:
 
 
 def _chosen_text(action: ast.Chosen) -> str:
-    """Returns an action as it is spoken of, without layout; arguments other than names and numbers show as `..`."""
+    """Returns an action as it is spoken of, without layout.
+
+    Arguments other than names and numbers show as `..`.
+    """
     if action.arguments is None:
         return action.name.text
     texts = []
@@ -493,7 +507,10 @@ def path_text(path: ast.Path) -> str:
 
 
 def _with_entry(value: ast.Expr | ast.Table, key: ast.Name, by: ast.By) -> ast.Expr | ast.Table:
-    """Returns a table in which an entry stands by itself: one that `otherwise` or a single number for all stood for gets a line of its own."""
+    """Returns a table in which an entry stands by itself.
+
+    One that `otherwise` or a single number for all stood for gets a line of its own.
+    """
     if isinstance(by, ast.Words):
         is_entry = key.text in {name.text for name in by.names}
     else:

@@ -96,7 +96,10 @@ class WorldSearch:
     triggered: set[int] = field(default_factory=set)
 
     def __post_init__(self) -> None:
-        """Plans the play: how many worlds side by side, how many of them whole episodes, how long."""
+        """Plans the play.
+
+        How many worlds side by side, how many of them whole episodes, how long.
+        """
         game = self.family.own
         self._checks = [game.checks[number] for number in self.numbers]
         self._left = {FLOATS, *self.numbers}

@@ -41,7 +41,10 @@ SORTS: dict[type[Node], str] = {
 
 
 class Symbol(NamedTuple):
-    """One thing with a name. `owner`: of a field or an argument, whose; of a local name, where it is bound (`file:offset`)."""
+    """One thing with a name.
+
+    `owner`: of a field or an argument, whose; of a local name, where it is bound (`file:offset`).
+    """
 
     space: Space
     name: str
@@ -49,7 +52,10 @@ class Symbol(NamedTuple):
 
 
 class Occurrence(Record):
-    """A name at one place. `symbols`: several for a field of a group, which each of its kinds declares."""
+    """A name at one place.
+
+    `symbols`: several for a field of a group, which each of its kinds declares.
+    """
 
     span: Span
     symbols: tuple[Symbol, ...]
@@ -57,7 +63,7 @@ class Occurrence(Record):
 
 
 def field_symbol(name: str, owner: str) -> Symbol:
-    """Returns a field of the agents, a kind or a sort of movers; of the world if it has no owner."""
+    """Returns a field of the agents, a kind or movers; of the world if it has no owner."""
     return Symbol("field" if owner else "name", name, owner)
 
 
@@ -67,7 +73,10 @@ def local_symbol(name: ast.Name) -> Symbol:
 
 
 def declared_by(node: Node, owner: str) -> Symbol | None:
-    """Returns what a node declares itself. `owner`: what the node belongs to, as `owner_in` tells."""
+    """Returns what a node declares itself.
+
+    `owner`: what the node belongs to, as `owner_in` tells.
+    """
     space = SPACES.get(type(node))
     name = getattr(node, "name", None)
     if space is None or name is None:
@@ -140,7 +149,7 @@ class Names:
                 return None
 
     def fields(self, owners: Owners) -> list[Symbol]:
-        """Returns the fields that can follow a dot; behind an owner that is not known, those of all."""
+        """Returns the fields that can follow a dot: of any owner, if it is not known."""
         return [
             symbol
             for symbol in self.nodes
@@ -170,7 +179,8 @@ def names_of(files: Iterable[ast.File]) -> Names:
     return names
 
 
-# Names that elaboration resolves where it gets to them, and in which name spaces their spelling counts where it doesn't.
+# Names that elaboration resolves where it gets to them, and in which name spaces their spelling
+# counts where it doesn't.
 USES: dict[type[Node], tuple[Space, ...]] = {
     ast.Path: ("name", "word", "metric"), ast.Call: ("name",), ast.Member: ("field", "argument"), ast.Domain: ("name",),
     ast.On: ("name",), ast.Chosen: ("action",), ast.ShapeRef: ("shape",), ast.Turn: ("phase",),
@@ -180,14 +190,15 @@ USES: dict[type[Node], tuple[Space, ...]] = {
 def occurrences(
     file: ast.File, names: Names, resolved: Mapping[Span, set[Symbol]]
 ) -> list[Occurrence]:
-    """Returns every name of a file that stands for something declared in the game, in the order of the text.
+    """Returns every name of a file that stands for something declared, in the order of the text.
 
-    Elaboration doesn't reach everything: not text beside a mistake, a define that nobody uses, a game that cannot be put together.
-    There a name means all that is declared under it.
+    Elaboration doesn't reach everything: not text beside a mistake, a define that nobody uses, a
+    game that cannot be put together. There a name means all that is declared under it.
 
     Args:
       names: what the game declares, with its bases.
-      resolved: what elaboration found names to stand for, in this game, in its variants, and perhaps in games that stand on it.
+      resolved: what elaboration found names to stand for, in this game, in its variants, and
+        perhaps in games that stand on it.
     """
     by_span = {}
     for symbol, node in declarations(file):

@@ -1,4 +1,4 @@
-"""Checks declarations: names that clash in the compiled state, timers and `tick`, and what is declared and never used."""
+"""Checks declarations: names that clash, timers and `tick`, and what is never used."""
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ast.names import Symbol
@@ -14,7 +14,7 @@ from sjdsl.runtime.actions import MOVES
 
 
 def check_state_names(game: ir.Game, problems: Problems) -> None:
-    """Reports declarations that would become the same attribute of the compiled state, or one that every state has.
+    """Reports declarations that would share an attribute of the compiled state.
 
     `a_b.c` and `a.b_c` would become one attribute.
     """

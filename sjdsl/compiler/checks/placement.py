@@ -1,4 +1,7 @@
-"""Checks the placement of agents: `phase start` places every agent, and no `send` can run out of free cells unnoticed."""
+"""Checks the placement of agents.
+
+`phase start` places every agent, and no `send` can run out of free cells unnoticed.
+"""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -28,7 +31,7 @@ class Body(NamedTuple):
 
 @dataclass
 class Pool:
-    """The sends of one phase use to one destination: whether any lacks `otherwise stay`, and whom they may reach."""
+    """The sends of one phase use to one destination, and whom they may reach."""
 
     sends: list[ir.Send] = field(default_factory=list)
     reached: set[Body] = field(default_factory=set)
@@ -61,7 +64,7 @@ def _is_of(who: ir.Expr, agent: Body) -> bool:
 
 
 def _always_sent(body: tuple[ir.Stmt, ...], agent: Body) -> bool:
-    """Returns whether the statements certainly send this agent or mover (they stand in an `each` of all of them)."""
+    """Returns whether the statements certainly send this agent or mover."""
     for s in body:
         sent = False
         match s:
@@ -117,7 +120,7 @@ def _decide(test: ir.Expr, agent: Body) -> bool | None:
 def _without_room(
     phase: ir.Phase, game: ir.Game, bodies: list[Body], sources: Mapping[str, Source]
 ) -> Iterator[Diagnostic]:
-    """Yields what is wrong with the sends of a phase to destinations that may have too few free cells."""
+    """Yields what is wrong with the sends of a phase where free cells may run out."""
     pools: dict[int, Pool] = {}
     for agent in bodies:
         for send in _possible_sends(phase.body, agent):
@@ -142,7 +145,8 @@ def _without_room(
         if phase is game.start:
             yield from _without_room_at_start(pool, sharing, lacking.span, place, game)
             continue
-        # besides all agents and movers, those may be in the way that were sent to the same cells before: in their new and in their old places
+        # besides all agents and movers, those may be in the way that were sent to the same cells
+        # before: in their new and in their old places
         needed = len(bodies) + len({agent for p in sharing for agent in p.reached})
         cells = len(places(game, domain.var.kinds))
         if domain.where is not None:
@@ -157,7 +161,8 @@ def _without_room(
 def _possible_sends(body: tuple[ir.Stmt, ...], agent: Body) -> list[ir.Send]:
     """Returns the sends that may reach this agent, as far as conditions on its index tell.
 
-    What a condition on its index excludes is looked at all the same where it has quantifiers of its own: these may mean another agent.
+    What a condition on its index excludes is looked at all the same where it has quantifiers of its
+    own: these may mean another agent.
     """
     sends: list[ir.Send] = []
     for s in body:
@@ -193,7 +198,11 @@ def _has_quantifier(body: tuple[ir.Stmt, ...]) -> bool:
 def _without_room_at_start(
     pool: Pool, sharing: list[Pool], span: Span, place: str, game: ir.Game
 ) -> Iterator[Diagnostic]:
-    """Agents take cells in the order of their numbers: each needs more cells that fit than others before it may have taken."""
+    """Yields what is wrong with the sends of `phase start` to a destination.
+
+    Agents take cells in the order of their numbers: each needs more cells that fit than others
+    before it may have taken.
+    """
     earlier = {agent: _cells_at_start(p, agent, game)[1] for p in sharing for agent in p.reached}
     for agent in sorted(
         pool.reached, key=lambda body: body.number

@@ -68,7 +68,7 @@ class IntRanges(Analysis[Interval]):
     known: Mapping[Form, Interval] = field(default_factory=dict)
 
     def knowing(self, condition: ir.Expr, holds: bool = True) -> "IntRanges":
-        """Returns this place, where a condition is known to hold, or, with `holds` False, not to."""
+        """Returns this place, where a condition is known to hold, or (`holds` False) not to."""
         place = self
         num_leaving = len(self.played.leaving)
         for part in conjuncts(condition, holds):
@@ -139,7 +139,10 @@ class IntRanges(Analysis[Interval]):
         return e.type.low, e.type.high
 
     def refined(self, e: ir.Expr, result: Interval) -> Interval:
-        """Returns an interval within all that is known; notes a whole number that can leave int32."""
+        """Returns an interval within all that is known.
+
+        Notes a whole number that can leave int32.
+        """
         known = (-inf, inf)
         if self.known:
             known = self.known.get(form(e, memo=self.played.forms), known)

@@ -38,7 +38,7 @@ def requires(game: Composition, scope: Scope) -> tuple[ir.Expr, ...]:
     """
 
     def requirement(check: ast.Require) -> ir.Expr:
-        """Returns the condition of a `require`, which reads only what is fixed before an episode."""
+        """Returns the condition of a `require`, which reads only what is fixed at the start."""
         test = _required(check, scope)
         for node in ir.walk(test):
             if isinstance(node, CHANGING):

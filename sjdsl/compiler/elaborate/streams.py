@@ -53,7 +53,7 @@ class Streams:
         return number(self.label, f"{purpose}\n{text}")
 
     def inside(self, header: str) -> "Streams":
-        """Returns these streams in the block of a statement, whose header is part of their names."""
+        """Returns the streams in the block of a statement, whose header joins their names."""
         return replace(self, around=(*self.around, header))
 
 
