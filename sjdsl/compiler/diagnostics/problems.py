@@ -3,19 +3,26 @@
 from collections.abc import Callable, Hashable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, TypeVar
+from typing import Protocol, TypeVar
 
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Fix, near
 from sjdsl.compiler.diagnostics.slips import slip
 from sjdsl.compiler.diagnostics.source import Span
 
-if TYPE_CHECKING:
-    from sjdsl.compiler import ast
-
 K = TypeVar("K", bound=Hashable)
 S = TypeVar("S")
 T = TypeVar("T")
+
+
+class Named(Protocol):
+    """A name in a text: what it is, and where it stands."""
+
+    @property
+    def text(self) -> str: ...
+
+    @property
+    def span(self) -> Span: ...
 
 
 class Poisoned(Exception):
@@ -56,7 +63,7 @@ class Problems:
         return Poisoned()
 
     def unknown(
-        self, name: "ast.Name", candidates: Iterable[str], description: str, help_: str = ""
+        self, name: Named, candidates: Iterable[str], description: str, help_: str = ""
     ) -> Poisoned:
         """Records that a name is none of the candidates.
 
