@@ -35,22 +35,29 @@ class Build(Record):
     sources: dict[str, Source]
 
 
-def compile_source(
-    source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None
-) -> str:
-    """Returns the Python module for one `.sj` file. Raises CompileError with every problem of the failing stage."""
-    return compile_build(build(source, variants, overrides), source)
+def compile_source(source: Source, variants: Sequence[str] = ()) -> str:
+    """Returns the Python module for one `.sj` file.
+
+    Raises CompileError with every problem of the failing stage.
+    """
+    return compile_build(build(source, variants), source)
 
 
 def build(
     source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None
 ) -> Build:
-    """Returns the typed rules of a game in a variant. Raises CompileError with every problem of the failing stage."""
+    """Returns the typed rules of a game in a variant.
+
+    Raises CompileError with every problem of the failing stage.
+    """
     return build_composition(compose(source, variants), overrides)
 
 
 def build_composition(composition: Composition, overrides: Overrides | None = None) -> Build:
-    """Returns the typed rules of a game that is put together. Raises CompileError with every problem of the failing stage."""
+    """Returns the typed rules of a game that is put together.
+
+    Raises CompileError with every problem of the failing stage.
+    """
     problems = Problems()
     overrides = overrides or Overrides()
     game, declarations = elaborate(composition, overrides, problems)
@@ -65,33 +72,40 @@ def build_composition(composition: Composition, overrides: Overrides | None = No
         check_whole_numbers(game, problems)
     if game is not None and not problems.failed:
         check_unused(game, declarations, composition, problems)
-    found = with_declaration_labels(problems.diagnostics, composition)
+    diagnostics = with_declaration_labels(problems.diagnostics, composition)
     if game is None or problems.failed:
-        raise CompileError(found)
-    return Build(game, tuple(found), composition.sources)
+        raise CompileError(diagnostics)
+    return Build(game, tuple(diagnostics), composition.sources)
 
 
-def lower_build(made: Build, source: Source) -> Program:
-    """Returns the array program of a checked game. Raises CompileError for what cannot be compiled exactly."""
+def lower_build(built: Build, source: Source) -> Program:
+    """Returns the array program of a checked game.
+
+    Raises CompileError for what cannot be compiled exactly.
+    """
     try:
-        return lower(made.game.rules, Path(source.name).name, made.sources)
+        return lower(built.game.rules, Path(source.name).name, built.sources)
     except NotSupported as refused:
-        found = errors.Unsupported(refused.origin, feature=refused.feature, help=refused.instead)  # type: ignore[arg-type]
-        raise CompileError([found]) from None
+        span = refused.origin or source.span(0, 0)
+        unsupported = errors.Unsupported(span, feature=refused.feature, help=refused.instead)
+        raise CompileError([unsupported]) from None
 
 
-def compile_build(made: Build, source: Source) -> str:
+def compile_build(built: Build, source: Source) -> str:
     """Returns the Python module of a checked game."""
     from sjdsl.compiler.emit.module import render
 
-    return render(lower_build(made, source))
+    return render(lower_build(built, source))
 
 
-def compile_rules(made: Build) -> str:
-    """Returns the Python module of a checked game without the files and lines of its text: games of the same rules have the same."""
+def compile_rules(built: Build) -> str:
+    """Returns the Python module of a checked game without the files and lines of its text.
+
+    Games of the same rules have the same.
+    """
     from sjdsl.compiler.emit.module import render
 
-    program = lower_build(replace(made, sources={}), Source(f"the rules of {made.game.name}", ""))
+    program = lower_build(replace(built, sources={}), Source(f"the rules of {built.game.name}", ""))
     functions = tuple(
         replace(f, body=tuple(replace(statement, origin=None) for statement in f.body))
         for f in program.functions
@@ -100,36 +114,40 @@ def compile_rules(made: Build) -> str:
     return render(replace(program, functions=functions, numbers=numbers))
 
 
-def check(
-    source: Source, variants: Sequence[str] = (), overrides: Overrides | None = None
-) -> tuple[Diagnostic, ...]:
+def check(source: Source, variants: Sequence[str] = ()) -> tuple[Diagnostic, ...]:
     """Returns every error and warning of a file, in file order; what compiles has no errors."""
     try:
         composition = compose(source, variants)
     except CompileError as error:
         return error.diagnostics
-    return check_composition(composition, overrides)
+    return check_composition(composition)
 
 
 def check_composition(
     composition: Composition, overrides: Overrides | None = None
 ) -> tuple[Diagnostic, ...]:
-    """Returns every error and warning of a game that is put together, in file order; its `references` are then known."""
+    """Returns every error and warning of a game that is put together, in file order.
+
+    Its `references` are then known.
+    """
     try:
-        made = build_composition(composition, overrides)
-        _lowered(_Rules(made, composition.sources[composition.file]))
+        built = build_composition(composition, overrides)
+        _lowered(_Rules(built, composition.sources[composition.file]))
     except CompileError as error:
         return error.diagnostics
-    return CompileError(made.warnings).diagnostics
+    return CompileError(built.warnings).diagnostics
 
 
 class _Rules:
-    """A checked game, equal to others by its rules: where they are written makes no difference to whether they can be lowered."""
+    """A checked game, equal to others by its rules.
 
-    def __init__(self, made: Build, source: Source) -> None:
-        self.made = made
+    Where they are written makes no difference to whether they can be lowered.
+    """
+
+    def __init__(self, built: Build, source: Source) -> None:
+        self.built = built
         self.source = source
-        self._digest = printed_digest(made.game)
+        self._digest = printed_digest(built.game)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, _Rules) and self._digest == other._digest
@@ -138,12 +156,12 @@ class _Rules:
         return hash(self._digest)
 
 
-@lru_cache(
-    maxsize=16
-)  # an edit of a remark, a scene or one variant leaves most rules as they were; those refused are not kept
+# An edit of a remark, a scene or one variant leaves most rules as they were; those refused are not
+# kept.
+@lru_cache(maxsize=16)
 def _lowered(rules: _Rules) -> None:
     """Lowers a game, to see whether that can be done. Raises CompileError."""
-    lower_build(rules.made, rules.source)
+    lower_build(rules.built, rules.source)
 
 
 def check_variants(source: Source) -> Iterator[tuple[tuple[str, ...], tuple[Diagnostic, ...]]]:

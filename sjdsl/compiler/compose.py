@@ -1,16 +1,19 @@
-"""Composes a game: inherits its base (`extends`), then adds its own sections and the chosen variants, by one rule.
+"""Composes a game.
+
+Inherits its base (`extends`), then adds its own sections and the chosen variants, by one rule.
 
     Source + variants -> Composition
 
-A repeated name replaces, inside `agents` and `observe` entry by entry; a new name is added; `set` changes a number or one
-table entry; `drop` removes.
+A repeated name replaces, inside `agents` and `observe` entry by entry; a new name is added; `set`
+changes a number or one table entry; `drop` removes.
 """
 
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.ast.names import Space, Symbol
@@ -23,7 +26,8 @@ from sjdsl.compiler.syntax.parse import parse
 from sjdsl.compiler.syntax.read import inside_folder, read_source
 
 Sections = tuple[ast.Section | ast.Override | ast.Drop, ...]
-# The table of a composition that each declaration with a name goes into, and what stands before its name in messages about changes:
+# The table of a composition that each declaration with a name goes into, and what stands before its
+# name in messages about changes:
 # shapes, phases and so on have name spaces of their own.
 TABLE_OF: dict[type[Node], tuple[str, str]] = {
     ast.Constant: ("constants", ""), ast.Kind: ("kinds", ""), ast.Group: ("groups", ""), ast.Field: ("fields", ""),
@@ -32,16 +36,14 @@ TABLE_OF: dict[type[Node], tuple[str, str]] = {
     ast.ScriptedPolicy: ("policies", "policy "), ast.Task: ("tasks", "task "),
     ast.HoldOut: ("held_out", "hold out "),
 }  # fmt: skip
-TABLE_OF_AGENTS: dict[type[Node], str] = {
-    ast.Field: "agent_fields", ast.Timer: "agent_fields", ast.Forbid: "forbids", ast.Blocks: "agent_blocks",
-}  # fmt: skip
 
 
 @dataclass
 class Composition:
     """The declarations of one game in one variant, by name, in order of first appearance.
 
-    `file`: the name of the game's own file among the `sources`, which hold its bases too; `chosen`: the variants applied.
+    `file`: the name of the game's own file among the `sources`, which hold its bases too; `chosen`:
+    the variants applied.
     """
 
     name: str
@@ -123,10 +125,10 @@ class Composition:
 def compose(source: Source, variants: Sequence[str] = ()) -> Composition:
     """Returns the game of a file with its bases, and variants applied left to right.
 
-    Raises CompileError: a text that cannot be parsed, a base that cannot be read, a circle of `extends`, an unknown variant, a change to
-    what is not there, two variants that disagree.
+    Raises CompileError: a text that cannot be parsed, a base that cannot be read, a circle of
+    `extends`, an unknown variant, a change to what is not there, two variants that disagree.
     """
-    game = _inherited(tuple(chain(source)))
+    game = _inherited(tuple(bases(source)))
     game.file = source.name
     game.chosen = tuple(variants)
     touched: dict[str, tuple[str, str]] = {}
@@ -148,10 +150,11 @@ def compose(source: Source, variants: Sequence[str] = ()) -> Composition:
     return game
 
 
-def chain(source: Source) -> Iterator[tuple[Source, ast.File]]:
+def bases(source: Source) -> Iterator[tuple[Source, ast.File]]:
     """Yields a text with its tree, then the game that it extends, and so on.
 
-    Raises CompileError: a text that cannot be parsed, a base that cannot be read, a circle of `extends`.
+    Raises CompileError: a text that cannot be parsed, a base that cannot be read, a circle of
+    `extends`.
     """
     seen: list[Source] = []
     while True:
@@ -190,7 +193,10 @@ def _inherited(files: Sequence[tuple[Source, ast.File]]) -> Composition:
 
 
 def _base_of(name: ast.String, source: Source) -> Source:
-    """Returns the text that a file `extends`, from the file's own folder. Raises CompileError if there is none, or it cannot be read."""
+    """Returns the text that a file `extends`, from the file's own folder.
+
+    Raises CompileError if there is none, or it cannot be read.
+    """
     problems = Problems()
     path = inside_folder(name.text, name.span, source, problems)
     if path is None:
@@ -209,79 +215,121 @@ def _base_of(name: ast.String, source: Source) -> Source:
     return replace(read_source(path), name=name_here, over=source.over)
 
 
-def named_entries(section: ast.Section | ast.Override | ast.Drop) -> list[tuple[str, Span, Node]]:
-    """Returns what a section declares or changes: (key, span, node)."""
+class Entry(NamedTuple):
+    """Something that a section declares.
+
+    table: the field of a composition that it goes into; name: in that table, if it is one.
+    label: what messages about changes call it.
+    """
+
+    table: str
+    name: str
+    label: str
+    span: Span
+    node: Node
+
+
+def _entries(section: ast.Section) -> list[Entry]:
+    """Returns what a section declares under a name that a variant can replace."""
     match section:
-        case ast.About():
-            return [(f"about {section.name.text}", section.name.span, section)]
+        case ast.Cite():
+            return []
+        case ast.About(name=name):
+            return [Entry("about", name.text, f"about {name.text}", name.span, section)]
         case ast.Checks():
-            return (
-                []
-                if section.name is None
-                else [(f"checks {section.name.text}", section.name.span, section)]
-            )
+            block = section.name
+            if block is None:
+                return []
+            return [Entry("checks", block.text, f"checks {block.text}", block.span, section)]
         case ast.Map() | ast.Episode() | ast.Schedule():
-            return [(type(section).__name__.lower(), section.span, section)]
+            table = type(section).__name__.lower()
+            return [Entry(table, "", table, section.span, section)]
         case ast.TrainOn():
-            return [("train on", section.span, section)]
+            return [Entry("train_on", "", "train on", section.span, section)]
         case ast.Agents():
-            return [(f"agents {_agent_key(node)}", node.span, node) for node in section.attributes]
+            return list(map(_entry_of_agents, section.attributes))
         case ast.Observe():
-            return [
-                (f"observe {key}", node.span, node) for key, node in _observable_entries(section)
-            ]
-        case ast.Look():
-            return [(f"look {section.what.text}", section.span, section)]
+            return _entries_observed(section)
+        case ast.Look(what=what):
+            return [Entry("looks", what.text, f"look {what.text}", section.span, section)]
         case ast.Metrics():
-            return [(f"metric {m.name.text}", m.name.span, m) for m in section.metrics]
+            return [
+                Entry("metrics", m.name.text, f"metric {m.name.text}", m.name.span, m)
+                for m in section.metrics
+            ]
+        case _:
+            table, prefix = TABLE_OF[type(section)]
+            name = section.name
+            return [Entry(table, name.text, prefix + name.text, name.span, section)]
+
+
+def _entry_of_agents(
+    attribute: ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid | ast.Blocks,
+) -> Entry:
+    """Returns an attribute of agents, with the name under which a variant replaces it."""
+    match attribute:
+        case ast.Acts() | ast.Moves():
+            table = name = type(attribute).__name__.lower()
+        case ast.Forbid():
+            table = "forbids"
+            name = "forbid " + (", ".join(map(_chosen_text, attribute.actions)) or "all")
+        case ast.Blocks():
+            table = "agent_blocks"
+            name = f"blocks {', '.join(what.text for what in attribute.what)}"
+        case ast.Field() | ast.Timer():
+            table = "agent_fields"
+            name = attribute.name.text
+    return Entry(table, name, f"agents {name}", attribute.span, attribute)
+
+
+def _changed(section: ast.Section | ast.Override | ast.Drop) -> list[tuple[str, Span, Node]]:
+    """Returns what a section declares or changes: (label, span, node)."""
+    match section:
         case ast.Override():
             return [(path_text(section.path), section.path.span, section)]
         case ast.Drop():
             return [(section.name.text, section.name.span, section)]
-        case ast.Cite():
-            return []
         case _:
-            return [(TABLE_OF[type(section)][1] + section.name.text, section.name.span, section)]
+            return [(entry.label, entry.span, entry.node) for entry in _entries(section)]
 
 
 def _check_duplicates(game: Composition, sections: Sections) -> None:
     """Reports what one text declares twice."""
     seen: dict[str, Span] = {}
-    for section in sections:
-        for key, span, node in named_entries(section):
-            if isinstance(node, ast.Look):  # one kind looks this way or that
-                continue
-            over = isinstance(node, ast.Override) and any(_touches(key, k) for k in seen)
-            if key in seen or over:
-                if over or isinstance(node, ast.Map | ast.Episode | ast.Schedule) or " " in key:
-                    game.problems.append(errors.WrittenTwice(span, part=f"`{key}`"))
-                else:
-                    game.problems.append(
-                        errors.NameTaken(
-                            span, name=key, taken_by=f"something declared in line {seen[key].line}"
-                        )
-                    )
-            seen.setdefault(key, span)
+    for label, span, node in chain.from_iterable(map(_changed, sections)):
+        if isinstance(node, ast.Look):  # one kind looks this way or that
+            continue
+        is_changed = isinstance(node, ast.Override) and any(_touches(label, k) for k in seen)
+        is_alone = isinstance(node, ast.Map | ast.Episode | ast.Schedule)
+        if is_changed or (label in seen and (is_alone or " " in label)):
+            game.problems.append(errors.WrittenTwice(span, part=f"`{label}`"))
+        elif label in seen:
+            taken_by = f"something declared in line {seen[label].line}"
+            game.problems.append(errors.NameTaken(span, name=label, taken_by=taken_by))
+        seen.setdefault(label, span)
 
 
 def _check_clashes(
     game: Composition, name: str, variant: ast.Variant, touched: dict[str, tuple[str, str]]
 ) -> None:
-    """Reports what a variant and one before it change differently. touched: key -> (variant, text of its change)."""
-    for section in variant.changes:
-        for key, span, node in named_entries(section):
-            text = _content(game, node)
-            for other, (first, before) in touched.items():
-                if first != name and _touches(other, key) and (other, before) != (key, text):
-                    game.problems.append(
-                        errors.ChangeClash(span, first=first, second=name, name=key)
-                    )
-                    break
-            touched.setdefault(key, (name, text))
+    """Reports what a variant and one before it change differently.
+
+    touched: label -> (variant, text of its change).
+    """
+    for label, span, node in chain.from_iterable(map(_changed, variant.changes)):
+        text = _content(game, node)
+        for other, (first, before) in touched.items():
+            if first != name and _touches(other, label) and (other, before) != (label, text):
+                game.problems.append(errors.ChangeClash(span, first=first, second=name, name=label))
+                break
+        touched.setdefault(label, (name, text))
 
 
 def _touches(a: str, b: str) -> bool:
-    """Returns whether two keys name the same thing, or one an entry of the other: `pay` and `pay[red]`."""
+    """Returns whether two keys name the same thing, or one an entry of the other.
+
+    `pay` and `pay[red]`.
+    """
     return a == b or a.startswith(f"{b}[") or b.startswith(f"{a}[")
 
 
@@ -292,73 +340,49 @@ def _content(game: Composition, node: Node) -> str:
 
 def _apply(game: Composition, sections: Sections) -> None:
     """Adds the sections of a text to a game; what a base has under the same names is replaced."""
-    looks = [section for section in sections if isinstance(section, ast.Look)]
-    for name in dict.fromkeys(look.what.text for look in looks):
-        game.looks[name] = tuple(look for look in looks if look.what.text == name)
+    looks: dict[str, tuple[ast.Look, ...]] = {}
     for section in sections:
         match section:
             case ast.Cite():
                 game.cites.append(section.text.text)
             case ast.About():
                 game.about[section.name.text] = " ".join(text.text for text in section.texts)
-            case ast.Episode() | ast.Map() | ast.Schedule():
-                setattr(game, type(section).__name__.lower(), section)
-            case ast.TrainOn():
-                game.train_on = section
-            case ast.Agents():
-                game.agents_span = game.agents_span or section.span
-                game.number = game.number if section.number is None else section.number
-                for node in section.attributes:
-                    if isinstance(node, ast.Acts | ast.Moves):
-                        setattr(game, _agent_key(node), node)
-                    else:
-                        getattr(game, TABLE_OF_AGENTS[type(node)])[_agent_key(node)] = node
-            case ast.Observe():
-                game.windows = (
-                    tuple(s for s in section.observables if isinstance(s, ast.Window))
-                    or game.windows
-                )
-                game.observables |= {
-                    _observable_key(s): s
-                    for s in section.observables
-                    if not isinstance(s, ast.Window)
-                }
-            case ast.Look():
-                pass
-            case ast.Metrics():
-                game.metrics |= {m.name.text: m for m in section.metrics}
-            case ast.Checks():
-                name = "" if section.name is None else section.name.text
-                game.checks[name] = (
-                    section.checks if name else game.checks.get(name, ()) + section.checks
-                )
+            case ast.Look(what=what):
+                looks[what.text] = (*looks.get(what.text, ()), section)
+            case ast.Checks(name=None):
+                game.checks[""] = game.checks.get("", ()) + section.checks
+            case ast.Checks(name=ast.Name() as name):
+                game.checks[name.text] = section.checks
             case ast.Override():
                 _override_constant(game, section)
             case ast.Drop():
                 _drop(game, section.name)
             case _:
-                getattr(game, TABLE_OF[type(section)][0])[section.name.text] = section
+                _add(game, section)
+    game.looks |= looks
 
 
-def _agent_key(
-    attribute: ast.Acts | ast.Moves | ast.Field | ast.Timer | ast.Forbid | ast.Blocks,
-) -> str:
-    """Returns the name under which a variant replaces an attribute of agents."""
-    match attribute:
-        case ast.Acts():
-            return "acts"
-        case ast.Moves():
-            return "moves"
-        case ast.Forbid():
-            return "forbid " + (", ".join(map(_chosen_text, attribute.actions)) or "all")
-        case ast.Blocks():
-            return f"blocks {', '.join(what.text for what in attribute.what)}"
-        case ast.Field() | ast.Timer():
-            return attribute.name.text
+def _add(game: Composition, section: ast.Section) -> None:
+    """Adds what a section declares to the tables of a game."""
+    if isinstance(section, ast.Agents):
+        game.agents_span = game.agents_span or section.span
+        game.number = section.number or game.number
+    if isinstance(section, ast.Observe):
+        windows = (node for node in section.observables if isinstance(node, ast.Window))
+        game.windows = tuple(windows) or game.windows
+    for entry in _entries(section):
+        table = getattr(game, entry.table)
+        if isinstance(table, dict):
+            table[entry.name] = entry.node
+        elif not isinstance(entry.node, ast.Window):
+            setattr(game, entry.table, entry.node)
 
 
 def _chosen_text(action: ast.Chosen) -> str:
-    """Returns an action as it is spoken of, without layout; arguments other than names and numbers show as `..`."""
+    """Returns an action as it is spoken of, without layout.
+
+    Arguments other than names and numbers show as `..`.
+    """
     if action.arguments is None:
         return action.name.text
     texts = []
@@ -373,32 +397,24 @@ def _chosen_text(action: ast.Chosen) -> str:
     return f"{action.name.text}({', '.join(texts)})"
 
 
-def _observable_entries(observe: ast.Observe) -> list[tuple[str, ast.Window | ast.Show | ast.Hide]]:
-    """Returns what a block says, by its key. The windows are one entry together, so that they are replaced together."""
-    entries: list[tuple[str, ast.Window | ast.Show | ast.Hide]] = []
-    windows = [s for s in observe.observables if isinstance(s, ast.Window)]
-    plain = [w for w in windows if w.condition is None] or windows[:1]
-    if plain:
-        together = plain[0].span
-        if len(windows) > len(plain):
-            together = replace(together, start=windows[0].span.start, end=windows[-1].span.end)
-        entries += [
-            ("window", replace(plain[0], span=together)),
-            *(("window", w) for w in plain[1:]),
-        ]
-    return entries + [
-        (_observable_key(s), s) for s in observe.observables if not isinstance(s, ast.Window)
-    ]
-
-
-def _observable_key(observable: ast.Show | ast.Hide) -> str:
-    """Returns the name under which a variant replaces a `show` or `hide`."""
-    on = (
-        f" on {observable.on.text}"
-        if isinstance(observable, ast.Hide) and observable.on is not None
-        else ""
-    )
-    return path_text(observable.what) + on
+def _entries_observed(observe: ast.Observe) -> list[Entry]:
+    """Returns what a block says. The windows are one entry together, replaced together."""
+    entries: list[Entry] = []
+    windows = [node for node in observe.observables if isinstance(node, ast.Window)]
+    plain = [window for window in windows if window.condition is None] or windows[:1]
+    for number, window in enumerate(plain):
+        if number == 0 and len(windows) > len(plain):
+            end = windows[-1].span.end
+            span = replace(window.span, start=windows[0].span.start, end=end)
+            window = replace(window, span=span)
+        entries.append(Entry("windows", "", "observe window", window.span, window))
+    for node in observe.observables:
+        if not isinstance(node, ast.Window):
+            name = path_text(node.what)
+            if isinstance(node, ast.Hide) and node.on is not None:
+                name = f"{name} on {node.on.text}"
+            entries.append(Entry("observables", name, f"observe {name}", node.span, node))
+    return entries
 
 
 def _override_constant(game: Composition, change: ast.Override) -> None:
@@ -491,7 +507,10 @@ def path_text(path: ast.Path) -> str:
 
 
 def _with_entry(value: ast.Expr | ast.Table, key: ast.Name, by: ast.By) -> ast.Expr | ast.Table:
-    """Returns a table in which an entry stands by itself: one that `otherwise` or a single number for all stood for gets a line of its own."""
+    """Returns a table in which an entry stands by itself.
+
+    One that `otherwise` or a single number for all stood for gets a line of its own.
+    """
     if isinstance(by, ast.Words):
         is_entry = key.text in {name.text for name in by.names}
     else:

@@ -8,22 +8,28 @@ from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple
 
 from lark import Token
 
 from sjdsl.compiler import Build, ast, build, check_composition
 from sjdsl.compiler.ast.names import Names, Occurrence, Symbol, names_of, occurrences
-from sjdsl.compiler.compose import Composition, chain, compose
+from sjdsl.compiler.compose import Composition, bases, compose
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
 from sjdsl.compiler.diagnostics.limits import check_text
-from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
-from sjdsl.compiler.elaborate import Overrides, elaborate
 from sjdsl.compiler.syntax.parse import as_read, parse, parser
 from sjdsl.compiler.syntax.tokens import scan
 from sjdsl.editor.documents import Document, Documents
 
 Stamp = tuple[object, ...]
+
+
+class Checked(NamedTuple):
+    """A game in a variant, None if it can't be composed, and its errors and warnings."""
+
+    composition: Composition | None
+    problems: tuple[Diagnostic, ...]
 
 
 class Analysis:
@@ -33,7 +39,7 @@ class Analysis:
         self.document = document
         self._documents = documents
         self._stamps: dict[Path, Stamp] = {}  # of the files that were read
-        self._problems: dict[tuple[str, ...], tuple[Diagnostic, ...]] = {}
+        self._checked: dict[tuple[str, ...], Checked] = {}  # by the variants
         self.source = Source(
             document.name, document.text, document.folder, self._open_text, document.path
         )
@@ -70,15 +76,13 @@ class Analysis:
         """The text and its tree, then those of its base and so on, as far as they can be read."""
         files: list[tuple[Source, ast.File]] = []
         with suppress(CompileError):
-            files.extend(chain(self.source))
+            files.extend(bases(self.source))
         return tuple(files)
 
-    @cached_property
+    @property
     def composition(self) -> Composition | None:
         """The game with its bases, None if they can't be composed."""
-        with suppress(CompileError):
-            return compose(self.source)
-        return None
+        return self._check(()).composition
 
     @cached_property
     def build(self) -> Build | None:
@@ -89,12 +93,18 @@ class Analysis:
 
     def problems(self, variants: tuple[str, ...] = ()) -> tuple[Diagnostic, ...]:
         """Returns every error and warning of the game with some variants."""
-        if variants not in self._problems:
+        return self._check(variants).problems
+
+    def _check(self, variants: tuple[str, ...]) -> "Checked":
+        """Returns the game with some variants, which is checked once."""
+        if variants not in self._checked:
             try:
-                self._problems[variants] = check_composition(compose(self.source, variants))
+                composition = compose(self.source, variants)
+                problems = check_composition(composition)
+                self._checked[variants] = Checked(composition, problems)
             except CompileError as error:
-                self._problems[variants] = error.diagnostics
-        return self._problems[variants]
+                self._checked[variants] = Checked(None, error.diagnostics)
+        return self._checked[variants]
 
     def all_problems(self) -> Iterator[tuple[tuple[str, ...], tuple[Diagnostic, ...]]]:
         """Yields the problems of the game without variants, then of each variant alone."""
@@ -121,9 +131,8 @@ class Analysis:
                     choices.append((section.name.text,))
         symbols = defaultdict[Span, set[Symbol]](set)
         for variants in choices:
-            with suppress(CompileError):
-                composition = compose(self.source, variants)
-                elaborate(composition, Overrides(), Problems())
+            composition = self._check(variants).composition
+            if composition is not None:
                 for span, symbol in composition.references:
                     symbols[span].add(symbol)
         return symbols

@@ -22,7 +22,6 @@ from sjdsl.compiler.elaborate.lookup import (
 from sjdsl.compiler.elaborate.shapes import BUILT_IN as FORMS
 from sjdsl.compiler.ir.operations import FUNCTIONS
 from sjdsl.compiler.syntax.parse import automaton, parser
-from sjdsl.compiler.syntax.recovery.automaton import Stack, accepted, levels, read
 from sjdsl.compiler.syntax.recovery.repair import ENTRIES, SECTIONS, STATEMENTS
 from sjdsl.compiler.syntax.soft_words import as_name
 from sjdsl.compiler.syntax.tokens import scan
@@ -150,16 +149,15 @@ def following(tokens: Sequence[Token]) -> Collection[str]:
     A token that can't be read is left out; but a keyword that begins something, or a `}`, ends what
     is unfinished before it.
     """
-    table = automaton()
-    stack = Stack(table.start, None)
+    stack = automaton().stack()
     for token in tokens:
-        kind = as_name(table, stack, token).type
-        after = read(table, stack, kind)
+        kind = as_name(stack, token).type
+        after = stack.read(kind)
         if after is None and (kind in BEGINNING or kind == "RBRACE"):
-            for outer in levels(stack):
-                after = after or read(table, outer, kind)
+            for outer in stack.levels():
+                after = after or outer.read(kind)
         stack = after or stack
-    return accepted(table, stack)
+    return stack.accepted()
 
 
 def _file_offers(tokens: Sequence[Token], document: Document) -> list[Offer]:

@@ -111,6 +111,23 @@ class CompiledPlay:
             is_over &= is_last
         return Stepped(state, totals, is_over, values, is_finite, events)
 
+    def go_on(
+        self, carry: tuple[Any, ...], params: Any, key: Array, bias: Array, actions: Array
+    ) -> tuple[tuple[Any, ...], Stepped]:
+        """Takes a step of an episode, but one that is over stays as it is.
+
+        carry: the state, the totals, and whether the episode is over. Returns them after the step,
+        with all that the step leads to.
+        """
+        before, totals_before, was_over = carry
+        after = self.step(before, totals_before, params, key, bias, actions)
+        state, totals = jax.tree.map(
+            lambda old, new: jnp.where(was_over, old, new),
+            (before, totals_before),
+            (after.state, after.totals),
+        )
+        return (state, totals, was_over | after.is_over), after
+
     def _values(
         self,
         state: Any,
@@ -222,16 +239,10 @@ class EpisodePlayer:
         steps = self.env.episode_length
 
         def advance(carry: Any, t: Array) -> Any:
-            """Takes a step; an episode that is over stays as it is."""
-            before, totals_before, was_over = carry
+            """Takes a step under the policies."""
+            before, _, was_over = carry
             actions = self._choose(before, derived_key(key, POLICY, t), script)
-            after = self._play.step(before, totals_before, params, key, jnp.uint32(FAIR), actions)
-            state, totals = jax.tree.map(
-                lambda old, new: jnp.where(was_over, old, new),
-                (before, totals_before),
-                (after.state, after.totals),
-            )
-            carry = (state, totals, was_over | after.is_over)
+            carry, after = self._play.go_on(carry, params, key, jnp.uint32(FAIR), actions)
             return carry, (after.values, actions, was_over, was_over | after.is_finite)
 
         state, totals, first_values = self._play.begin(params, key)

@@ -90,7 +90,7 @@ def writes(game: ir.Game) -> Iterator[Part]:
     if any(isinstance(turn, ir.Tick) for turn in game.schedule):
         for field in all_fields(game):
             if field.timer:
-                yield field_part(field.held_by.what, field.held_by.name, field.name)
+                yield field_part(field.held_by, field.name)
     for turn in game.schedule:
         for node in ir.walk(turn):
             yield from written_by(node)
@@ -100,8 +100,8 @@ def writes(game: ir.Game) -> Iterator[Part]:
 
 def _changed_between(game: ir.Game, trials: ir.Trials) -> Iterator[Part]:
     """Yields what can differ from trial to trial though no phase of the schedule writes it."""
-    yield field_part("world", "", "trial")
-    kept = {field_part(field.held_by.what, field.held_by.name, field.name) for field in trials.kept}
+    yield field_part(ir.Sort("world"), "trial")
+    kept = {field_part(field.held_by, field.name) for field in trials.kept}
     for phase in beginning_phases(game):
         for node in ir.walk(phase):
             yield from (part for part in written_by(node) if part not in kept)
@@ -133,13 +133,18 @@ def written_by(n: ir.Node) -> Iterator[Part]:
 
 def _parts_of_field(read: ir.FieldRead) -> Iterator[Part]:
     """Yields the fields that may be read: one for each kind, or type of mover, of the owner."""
-    for name in read.held_by.names or (read.held_by.name,):
-        yield field_part(read.held_by.what, name, read.name)
+    held_by = read.held_by
+    for name in held_by.names:
+        yield field_part(ir.Sort(held_by.what, (name,)), read.name)
+    if not held_by.names:
+        yield field_part(held_by, read.name)
 
 
-def field_part(owner: str, kind: str, name: str) -> Part:
-    """Returns the part that a field is. kind: of the cell or type of the mover that has it."""
-    return (owner, kind, name) if owner in ("cell", "mover") else (owner, name)
+def field_part(held_by: ir.Sort, name: str) -> Part:
+    """Returns the part that a field is."""
+    if held_by.names:
+        return (held_by.what, held_by.name, name)
+    return (held_by.what, name)
 
 
 def part_of(attribute: str, sort: ir.Sort) -> Part:

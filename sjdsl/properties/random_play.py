@@ -49,7 +49,7 @@ def random_params(game: ir.Game, random: Random) -> tuple[tuple[str, Value], ...
 def _random_value(of_file: Any, type_: ir.Type, random: Random) -> Value:
     """Returns a value of a parameter: the file's, an end of its range, or one inside."""
     if type_.indexed_by:
-        inner = type_.model_copy(update={"indexed_by": type_.indexed_by[1:]})
+        inner = type_.changed(indexed_by=type_.indexed_by[1:])
         return tuple(_random_value(entry, inner, random) for entry in of_file)
     if type_.kind == "word":
         return random.choice(type_.words)

@@ -137,13 +137,13 @@ def count_statements(game: ir.Game) -> tuple[ir.Game, dict[str, StatementId]]:
         {leaf.statement_id for leaf in leaf_statements(game)}, {event.name for event in game.events}
     )
     schedule = tuple(
-        turn.model_copy(update={"body": counter.with_counts(turn.body, turn.label)})
+        turn.changed(body=counter.with_counts(turn.body, turn.label))
         if isinstance(turn, ir.Phase) and not contains(turn, ir.Move)
         else turn
         for turn in game.schedule
     )
     events = tuple(ir.Event(name=name, per_agent=False) for name in counter.events)
-    changed = game.model_copy(update={"schedule": schedule, "events": (*game.events, *events)})
+    changed = game.changed(schedule=schedule, events=(*game.events, *events))
     return changed, counter.events
 
 
@@ -177,7 +177,7 @@ class _Counter:
             changes["branches"] = tuple(
                 self._with_inner_counts(branch, label) for branch in branches
             )
-        return node.model_copy(update=changes) if changes else node
+        return node.changed(**changes) if changes else node
 
     def _unused_name(self) -> str:
         """Returns a name for a further event that counts how often a statement runs."""

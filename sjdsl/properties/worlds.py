@@ -96,7 +96,10 @@ class WorldSearch:
     triggered: set[int] = field(default_factory=set)
 
     def __post_init__(self) -> None:
-        """Plans the play: how many worlds side by side, how many of them whole episodes, how long."""
+        """Plans the play.
+
+        How many worlds side by side, how many of them whole episodes, how long.
+        """
         game = self.family.own
         self._checks = [game.checks[number] for number in self.numbers]
         self._left = {FLOATS, *self.numbers}
@@ -426,17 +429,11 @@ class Program:
         """Returns the parts of `Played` for one world."""
 
         def advance(carry: Any, chosen: Array) -> Any:
-            """Takes a step; an episode that is over stays as it is."""
-            before, totals_before, was_over = carry
-            after = self._play.step(before, totals_before, params, key, bias, chosen)
+            """Takes a step, and notes which statements ran in it."""
+            *_, was_over = carry
+            carry, after = self._play.go_on(carry, params, key, bias, chosen)
             events = [after.events[name] > 0 for name in self._play.counted]
             ran = jnp.array(events, bool) & ~was_over
-            state, totals = jax.tree.map(
-                lambda old, new: jnp.where(was_over, old, new),
-                (before, totals_before),
-                (after.state, after.totals),
-            )
-            carry = (state, totals, was_over | after.is_over)
             return carry, (after.values, was_over, after.is_finite, ran)
 
         (state, totals, is_over), (values, was_over, is_finite, ran) = jax.lax.scan(

@@ -73,15 +73,18 @@ class Scenario(Named):
 
 
 class Constant(Node):
-    """`size` or `param`: `param apple : reward = 1 in 0 .. 5`, `param taste by agent : reward = 1`"""
+    """`size` or `param`.
 
-    is_size: bool
+    `param apple : reward = 1 in 0 .. 5`, `param taste by agent : reward = 1`.
+    """
+
     name: Name
     by: By | None
     unit: Name
     value: Expr | Table
     low: Expr | None
     high: Expr | None
+    is_size: bool = False
 
 
 class Cite(Node):
@@ -250,7 +253,10 @@ class Phase(Named):
 
 
 class Window(Node):
-    """`window ahead 9, behind 1, left 5, right 5`; with a condition, the window of those for whom it holds"""
+    """`window ahead 9, behind 1, left 5, right 5`.
+
+    With a condition, the window of those for whom it holds.
+    """
 
     sides: tuple[tuple[Name, Expr], ...]
     condition: Expr | None

@@ -1,4 +1,7 @@
-"""The abstract syntax tree: names, types, expressions, and the domains that quantifiers range over."""
+"""The abstract syntax tree.
+
+Names, types, expressions, and the domains that quantifiers range over.
+"""
 
 from __future__ import annotations
 
@@ -161,7 +164,10 @@ class Binary(Node):
 
 
 class Chosen(Named):
-    """An action that is spoken of: `zap`, `vote(friend)`; arguments None for one without brackets."""
+    """An action that is spoken of.
+
+    `zap`, `vote(friend)`; arguments None for one without brackets.
+    """
 
     arguments: tuple[Expr, ...] | None
 

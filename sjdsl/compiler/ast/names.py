@@ -41,7 +41,10 @@ SORTS: dict[type[Node], str] = {
 
 
 class Symbol(NamedTuple):
-    """One thing with a name. `owner`: of a field or an argument, whose; of a local name, where it is bound (`file:offset`)."""
+    """One thing with a name.
+
+    `owner`: of a field or an argument, whose; of a local name, where it is bound (`file:offset`).
+    """
 
     space: Space
     name: str
@@ -49,7 +52,10 @@ class Symbol(NamedTuple):
 
 
 class Occurrence(Record):
-    """A name at one place. `symbols`: several for a field of a group, which each of its kinds declares."""
+    """A name at one place.
+
+    `symbols`: several for a field of a group, which each of its kinds declares.
+    """
 
     span: Span
     symbols: tuple[Symbol, ...]
@@ -57,7 +63,7 @@ class Occurrence(Record):
 
 
 def field_symbol(name: str, owner: str) -> Symbol:
-    """Returns a field of the agents, a kind or a sort of movers; of the world if it has no owner."""
+    """Returns a field of the agents, a kind or movers; of the world if it has no owner."""
     return Symbol("field" if owner else "name", name, owner)
 
 
@@ -67,7 +73,10 @@ def local_symbol(name: ast.Name) -> Symbol:
 
 
 def declared_by(node: Node, owner: str) -> Symbol | None:
-    """Returns what a node declares itself. `owner`: what the node belongs to, as `owner_in` tells."""
+    """Returns what a node declares itself.
+
+    `owner`: what the node belongs to, as `owner_in` tells.
+    """
     space = SPACES.get(type(node))
     name = getattr(node, "name", None)
     if space is None or name is None:
@@ -123,9 +132,9 @@ class Names:
     def sort(self, symbol: Symbol) -> str:
         """Returns what something of the shared name space is, as messages call it."""
         node = self.nodes[symbol]
-        return SORTS.get(type(node)) or (
-            "size" if isinstance(node, ast.Constant) and node.is_size else "parameter"
-        )
+        if isinstance(node, ast.Constant):
+            return "size" if node.is_size else "parameter"
+        return SORTS[type(node)]
 
     def owners(self, name: str) -> Owners:
         """Returns what members of a domain are: of `agent`, a kind, a group, a sort of movers."""
@@ -140,7 +149,7 @@ class Names:
                 return None
 
     def fields(self, owners: Owners) -> list[Symbol]:
-        """Returns the fields that can follow a dot; behind an owner that is not known, those of all."""
+        """Returns the fields that can follow a dot: of any owner, if it is not known."""
         return [
             symbol
             for symbol in self.nodes
@@ -160,17 +169,18 @@ class Names:
 
 def names_of(files: Iterable[ast.File]) -> Names:
     """Returns what games declare together, their variants too: those of the text itself first."""
-    found = Names()
+    names = Names()
     for file in files:
         for symbol, node in declarations(file):
-            found.nodes.setdefault(symbol, node)
-        found.words |= {
-            name.text for node in walk(file) if isinstance(node, ast.Words) for name in node.names
-        }
-    return found
+            names.nodes.setdefault(symbol, node)
+        for node in walk(file):
+            if isinstance(node, ast.Words):
+                names.words.update(name.text for name in node.names)
+    return names
 
 
-# Names that elaboration resolves where it gets to them, and in which name spaces their spelling counts where it doesn't.
+# Names that elaboration resolves where it gets to them, and in which name spaces their spelling
+# counts where it doesn't.
 USES: dict[type[Node], tuple[Space, ...]] = {
     ast.Path: ("name", "word", "metric"), ast.Call: ("name",), ast.Member: ("field", "argument"), ast.Domain: ("name",),
     ast.On: ("name",), ast.Chosen: ("action",), ast.ShapeRef: ("shape",), ast.Turn: ("phase",),
@@ -180,19 +190,20 @@ USES: dict[type[Node], tuple[Space, ...]] = {
 def occurrences(
     file: ast.File, names: Names, resolved: Mapping[Span, set[Symbol]]
 ) -> list[Occurrence]:
-    """Returns every name of a file that stands for something declared in the game, in the order of the text.
+    """Returns every name of a file that stands for something declared, in the order of the text.
 
-    Elaboration doesn't reach everything: not text beside a mistake, a define that nobody uses, a game that cannot be put together.
-    There a name means all that is declared under it.
+    Elaboration doesn't reach everything: not text beside a mistake, a define that nobody uses, a
+    game that cannot be put together. There a name means all that is declared under it.
 
     Args:
       names: what the game declares, with its bases.
-      resolved: what elaboration found names to stand for, in this game, in its variants, and perhaps in games that stand on it.
+      resolved: what elaboration found names to stand for, in this game, in its variants, and
+        perhaps in games that stand on it.
     """
-    found = {}
+    by_span = {}
     for symbol, node in declarations(file):
         span = node.name.span  # type: ignore[attr-defined]
-        found[span] = Occurrence(span, (symbol,), True)
+        by_span[span] = Occurrence(span, (symbol,), True)
     used = {symbol for symbols in resolved.values() for symbol in symbols}
     for node in walk(file):
         match node:
@@ -200,18 +211,20 @@ def occurrences(
                 for word in node.names:
                     # `draw colour from { red, green }` and `in { red, green }` are uses.
                     if word.span not in resolved:
-                        found[word.span] = Occurrence(word.span, (Symbol("word", word.text),), True)
+                        by_span[word.span] = Occurrence(
+                            word.span, (Symbol("word", word.text),), True
+                        )
             case ast.Name(span=span) if local_symbol(node) in used:
-                found[span] = Occurrence(span, (local_symbol(node),), True)
+                by_span[span] = Occurrence(span, (local_symbol(node),), True)
             case ast.Name(span=span) if span in resolved:
                 symbols = tuple(sorted(symbol for symbol in resolved[span] if names.knows(symbol)))
                 if symbols:
-                    found[span] = Occurrence(span, symbols)
+                    by_span[span] = Occurrence(span, symbols)
             case _ if type(node) in USES:
                 name: ast.Name = node.kind if isinstance(node, ast.Domain | ast.On) else node.name  # type: ignore[attr-defined]
                 symbols = tuple(sorted(names.called(name.text, USES[type(node)])))
                 if name.span not in resolved and symbols:
-                    found[name.span] = Occurrence(name.span, symbols)
+                    by_span[name.span] = Occurrence(name.span, symbols)
             case _:
                 pass
-    return sorted(found.values(), key=lambda o: o.span.start)
+    return sorted(by_span.values(), key=lambda o: o.span.start)

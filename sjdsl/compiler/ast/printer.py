@@ -8,7 +8,10 @@ from sjdsl.compiler.diagnostics.source import Span
 
 
 def lines(file: ast.File) -> Iterator[str]:
-    """Yields the tree one node a line, children indented; names and numbers stand on their node's line."""
+    """Yields the tree one node a line, children indented.
+
+    Names and numbers stand on their node's line.
+    """
     yield from _lines("file", file, 0)
 
 

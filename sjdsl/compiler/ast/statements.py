@@ -32,10 +32,10 @@ class Draw(Named):
     by: of a row, of which each entry is drawn; different: no two of them are equal.
     """
 
-    source: Expr | Words | Table
-    high: Expr | None
     by: By | None
     different: bool
+    source: Expr | Words | Table
+    high: Expr | None
 
 
 class Each(Node):
@@ -108,7 +108,10 @@ class Tally(Node):
 
 
 class Send(Node):
-    """To a domain of cells, or to the cell of a path; stay: the name after `otherwise` (must be `stay`)."""
+    """To a domain of cells, or to the cell of a path.
+
+    stay: the name after `otherwise` (must be `stay`).
+    """
 
     who: Path
     domain: Domain | Path
@@ -118,7 +121,10 @@ class Send(Node):
 
 
 class Direction(Node):
-    """`along` a path that is a heading (or `ahead`, `back`, `left`, `right`), `away` from it, or `toward` it."""
+    """`along` a path that is a heading, `away` from one, or `toward` one.
+
+    A path that is a heading can be `ahead`, `back`, `left` or `right`.
+    """
 
     how: Literal["along", "away", "toward"]
     path: Path

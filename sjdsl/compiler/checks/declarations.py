@@ -1,4 +1,4 @@
-"""Checks declarations: names that clash in the compiled state, timers and `tick`, and what is declared and never used."""
+"""Checks declarations: names that clash, timers and `tick`, and what is never used."""
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ast.names import Symbol
@@ -14,7 +14,7 @@ from sjdsl.runtime.actions import MOVES
 
 
 def check_state_names(game: ir.Game, problems: Problems) -> None:
-    """Reports declarations that would become the same attribute of the compiled state, or one that every state has.
+    """Reports declarations that would share an attribute of the compiled state.
 
     `a_b.c` and `a.b_c` would become one attribute.
     """
@@ -25,12 +25,10 @@ def check_state_names(game: ir.Game, problems: Problems) -> None:
                 f"the compiled state would have `{attribute}` twice (also of {seen[attribute]})"
             )
             name = getattr(node, "label", "") or getattr(node, "name", attribute)
-            problems.add(
-                errors.BadName(node.origin, name=name, role="the name of this", problem=problem)
-            )
-        seen.setdefault(
-            attribute, f"line {node.origin.line}" if node.origin else "another declaration"
-        )
+            role = "the name of this"
+            problems.add(errors.BadName(node.origin, name=name, role=role, problem=problem))
+        place = "another declaration" if node.origin is None else f"line {node.origin.line}"
+        seen.setdefault(attribute, place)
 
 
 def check_timers(game: ir.Game, composition: Composition, problems: Problems) -> None:
@@ -50,10 +48,8 @@ def check_timers(game: ir.Game, composition: Composition, problems: Problems) ->
         problems.add(errors.TickTwice(game.schedule[ticks[1]].origin or span))
     if len(ticks) == 1:
         for timer in timers:
-            before, after = (
-                _starts_of(part, timer)
-                for part in (game.schedule[: ticks[0]], game.schedule[ticks[0] + 1 :])
-            )
+            before = _starts_of(game.schedule[: ticks[0]], timer)
+            after = _starts_of(game.schedule[ticks[0] + 1 :], timer)
             if before and after:
                 problems.add(errors.TimerBothSides(before[0].origin or timer.span, name=timer.name))
 
@@ -89,17 +85,15 @@ def _check_actions(game: ir.Game, composition: Composition, problems: Problems) 
     asked |= {n.action for n in nodes if isinstance(n, ir.ChoseWith)}
     moving = any(isinstance(n, ir.Move) and n.course is None for n in nodes)
     assert composition.acts is not None
-    idle = [
-        a.name
-        for a in composition.acts.actions
-        if a.name.text not in asked and a.name.text != "stay"
-    ]
-    for action in idle:
-        if action.text not in MOVES:
-            problems.add(errors.IdleAction(action.span, name=action.text))
-    steps = [a for a in idle if a.text in MOVES]
+    names = [action.name for action in composition.acts.actions]
+    idle = [name for name in names if name.text not in asked and name.text != "stay"]
+    for name in idle:
+        if name.text not in MOVES:
+            problems.add(errors.IdleAction(name.span, name=name.text))
+    steps = [name for name in idle if name.text in MOVES]
     if steps and not moving:
-        problems.add(errors.IdleSteps(steps[0].span, names=", ".join(f"`{a.text}`" for a in steps)))
+        listed = ", ".join(f"`{name.text}`" for name in steps)
+        problems.add(errors.IdleSteps(steps[0].span, names=listed))
 
 
 def _check_names(
@@ -107,55 +101,35 @@ def _check_names(
 ) -> None:
     """Warns of kinds not on the map, and of numbers, defines, shapes and fields nobody uses."""
 
-    def check_used(symbol: Symbol, span: Span, what: str, name: str, help_: str = "") -> None:
+    def check_used(symbol: Symbol, span: Span, entity: str, help_: str = "") -> None:
+        """Warns of something that nobody uses; a field is called with its owner."""
         if symbol not in static.used:
-            problems.add(errors.Unused(span, entity=what, name=name, help=help_))
+            name = f"{symbol.owner}.{symbol.name}" if symbol.owner else symbol.name
+            problems.add(errors.Unused(span, entity=entity, name=name, help=help_))
 
     for kind in game.kinds:
         if static.cells.get(kind.name, 0) == 0 and not kind.blocks:  # walls are for other maps too
             problems.add(errors.KindAbsent(composition.kinds[kind.name].name.span, name=kind.name))
-        for declared in kind.fields:
-            if declared.type.kind != "word":
-                check_used(
-                    Symbol("field", declared.name, kind.name),
-                    declared.span,
-                    "the field",
-                    f"{kind.name}.{declared.name}",
-                )
-    for sort in game.movers:
-        check_used(
-            Symbol("name", sort.name),
-            composition.movers[sort.name].name.span,
-            "the sort of movers",
-            sort.name,
-        )
-        for declared in sort.fields:
-            if declared.name != "heading":
-                check_used(
-                    Symbol("field", declared.name, sort.name),
-                    declared.span,
-                    "the field",
-                    f"{sort.name}.{declared.name}",
-                )
+        for field in kind.fields:
+            if field.type.kind != "word":
+                check_used(Symbol("field", field.name, kind.name), field.span, "the field")
+    for movers in game.movers:
+        span = composition.movers[movers.name].name.span
+        check_used(Symbol("name", movers.name), span, "the sort of movers")
+        for field in movers.fields:
+            if field.name != "heading":
+                check_used(Symbol("field", field.name, movers.name), field.span, "the field")
     for name, constant in composition.constants.items():
-        help_ = (
-            "a `require` reads it, but no rule does"
-            if Symbol("name", name) in static.required
-            else ""
-        )
-        check_used(
-            Symbol("name", name),
-            constant.name.span,
-            "the size" if constant.is_size else "the parameter",
-            name,
-            help_,
-        )
+        symbol = Symbol("name", name)
+        help_ = "a `require` reads it, but no rule does" if symbol in static.required else ""
+        entity = "the size" if constant.is_size else "the parameter"
+        check_used(symbol, constant.name.span, entity, help_)
     for name, define in composition.defines.items():
         if define.span.file == composition.file:  # a base has defines for all games built on it
-            check_used(Symbol("name", name), define.name.span, "the define", name)
+            check_used(Symbol("name", name), define.name.span, "the define")
     for name, shape in composition.shapes.items():
-        check_used(Symbol("shape", name), shape.name.span, "the shape", name)
-    for name, declared in static.agent_fields.items():
-        check_used(Symbol("field", name, "agent"), declared.span, "the field", f"agent.{name}")
-    for name, declared in static.fields.items():
-        check_used(Symbol("name", name), declared.span, "the field", name)
+        check_used(Symbol("shape", name), shape.name.span, "the shape")
+    for name, field in static.agent_fields.items():
+        check_used(Symbol("field", name, "agent"), field.span, "the field")
+    for name, field in static.fields.items():
+        check_used(Symbol("name", name), field.span, "the field")

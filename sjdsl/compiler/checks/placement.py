@@ -1,4 +1,7 @@
-"""Checks the placement of agents: `phase start` places every agent, and no `send` can run out of free cells unnoticed."""
+"""Checks the placement of agents.
+
+`phase start` places every agent, and no `send` can run out of free cells unnoticed.
+"""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -28,7 +31,7 @@ class Body(NamedTuple):
 
 @dataclass
 class Pool:
-    """The sends of one phase use to one destination: whether any lacks `otherwise stay`, and whom they may reach."""
+    """The sends of one phase use to one destination, and whom they may reach."""
 
     sends: list[ir.Send] = field(default_factory=list)
     reached: set[Body] = field(default_factory=set)
@@ -40,17 +43,17 @@ class Pool:
 
 def check_placement(game: ir.Game, sources: Mapping[str, Source], problems: Problems) -> None:
     """Reports agents and movers without a place at the start, and sends without enough cells."""
-    sorts = {AGENTS: game.agents.number} | {movers.sort: movers.number for movers in game.movers}
-    for sort, many in sorts.items():
-        missing = [i for i in range(many) if not _always_sent(game.start.body, Body(sort, i))]
+    numbers = {AGENTS: game.agents.number} | {movers.sort: movers.number for movers in game.movers}
+    bodies: list[Body] = []
+    for sort, number in numbers.items():
+        of_sort = [Body(sort, i) for i in range(number)]
+        bodies += of_sort
+        missing = [body.number for body in of_sort if not _always_sent(game.start.body, body)]
         if missing:
-            who = (
-                f"{sort.name} {missing[0]}"
-                if len(missing) == 1
-                else f"{sort.plural} {missing[0]} .. {missing[-1]}"
-            )
+            who = f"{sort.name} {missing[0]}"
+            if len(missing) > 1:
+                who = f"{sort.plural} {missing[0]} .. {missing[-1]}"
             problems.add(errors.NotSentAtStart(game.start.span, who=who, sort=sort.name))
-    bodies = [Body(sort, number) for sort, many in sorts.items() for number in range(many)]
     for phase in phases_of(game):
         for problem in _without_room(phase, game, bodies, sources):
             problems.add(problem)
@@ -61,7 +64,7 @@ def _is_of(who: ir.Expr, agent: Body) -> bool:
 
 
 def _always_sent(body: tuple[ir.Stmt, ...], agent: Body) -> bool:
-    """Returns whether the statements certainly send this agent or mover (they stand in an `each` of all of them)."""
+    """Returns whether the statements certainly send this agent or mover."""
     for s in body:
         sent = False
         match s:
@@ -85,16 +88,22 @@ def _always_sent(body: tuple[ir.Stmt, ...], agent: Body) -> bool:
     return False
 
 
-def _ways(s: ir.When, agent: Body) -> list[tuple[ir.Stmt, ...]]:
-    """Returns the ways through a `when` that are open to this agent, as far as conditions on its index tell."""
-    found = []
+def _ways(s: ir.When, agent: Body, certain: bool = True) -> list[tuple[ir.Stmt, ...]]:
+    """Returns the ways through a `when` that are open to this agent, by conditions on its index.
+
+    certain: whether a condition also decides about ways that have quantifiers of their own. These
+      may mean another agent.
+    """
+    ways = []
     for branch in s.branches:
-        decided = _decide(branch.test, agent)
+        decided = None
+        if certain or not _has_quantifier(branch.body):
+            decided = _decide(branch.test, agent)
         if decided is not False:
-            found.append(branch.body)
+            ways.append(branch.body)
         if decided is True:
-            return found
-    return [*found, s.otherwise]
+            return ways
+    return [*ways, s.otherwise]
 
 
 def _decide(test: ir.Expr, agent: Body) -> bool | None:
@@ -111,7 +120,7 @@ def _decide(test: ir.Expr, agent: Body) -> bool | None:
 def _without_room(
     phase: ir.Phase, game: ir.Game, bodies: list[Body], sources: Mapping[str, Source]
 ) -> Iterator[Diagnostic]:
-    """Yields what is wrong with the sends of a phase to destinations that may have too few free cells."""
+    """Yields what is wrong with the sends of a phase where free cells may run out."""
     pools: dict[int, Pool] = {}
     for agent in bodies:
         for send in _possible_sends(phase.body, agent):
@@ -136,7 +145,8 @@ def _without_room(
         if phase is game.start:
             yield from _without_room_at_start(pool, sharing, lacking.span, place, game)
             continue
-        # besides all agents and movers, those may be in the way that were sent to the same cells before: in their new and in their old places
+        # besides all agents and movers, those may be in the way that were sent to the same cells
+        # before: in their new and in their old places
         needed = len(bodies) + len({agent for p in sharing for agent in p.reached})
         cells = len(places(game, domain.var.kinds))
         if domain.where is not None:
@@ -151,30 +161,32 @@ def _without_room(
 def _possible_sends(body: tuple[ir.Stmt, ...], agent: Body) -> list[ir.Send]:
     """Returns the sends that may reach this agent, as far as conditions on its index tell.
 
-    What a condition on its index excludes is looked at all the same where it has quantifiers of its own: these may mean another agent.
+    What a condition on its index excludes is looked at all the same where it has quantifiers of its
+    own: these may mean another agent.
     """
-    found: list[ir.Send] = []
+    sends: list[ir.Send] = []
     for s in body:
         match s:
             case ir.Send():
                 if _is_of(s.who, agent):
-                    found.append(s)
+                    sends.append(s)
             case ir.Each() | ir.Pick() | ir.First():
                 where = s.domain.where if _is_of(s.domain.var, agent) else None
                 if where is None or _decide(where, agent) is not False or _has_quantifier(s.body):
-                    found += _possible_sends(s.body, agent)
+                    sends += _possible_sends(s.body, agent)
                 if isinstance(s, ir.Pick):
-                    found += _possible_sends(s.otherwise, agent)
+                    sends += _possible_sends(s.otherwise, agent)
             case ir.Match():
-                found += _possible_sends(s.body, agent)
+                sends += _possible_sends(s.body, agent)
             case ir.When():
-                found += _when_sends(s, agent)
+                for way in _ways(s, agent, certain=False):
+                    sends += _possible_sends(way, agent)
             case ir.Chance():
-                for part in (*(branch.body for branch in s.branches), s.otherwise):
-                    found += _possible_sends(part, agent)
+                for way in (*(branch.body for branch in s.branches), s.otherwise):
+                    sends += _possible_sends(way, agent)
             case _:
                 pass
-    return found
+    return sends
 
 
 def _has_quantifier(body: tuple[ir.Stmt, ...]) -> bool:
@@ -183,22 +195,14 @@ def _has_quantifier(body: tuple[ir.Stmt, ...]) -> bool:
     )
 
 
-def _when_sends(s: ir.When, agent: Body) -> list[ir.Send]:
-    """Returns the sends in the branches that an agent may reach."""
-    found: list[ir.Send] = []
-    for branch in s.branches:
-        decided = _decide(branch.test, agent)
-        if decided is not False or _has_quantifier(branch.body):
-            found += _possible_sends(branch.body, agent)
-        if decided is True and not _has_quantifier(branch.body):
-            return found
-    return found + _possible_sends(s.otherwise, agent)
-
-
 def _without_room_at_start(
     pool: Pool, sharing: list[Pool], span: Span, place: str, game: ir.Game
 ) -> Iterator[Diagnostic]:
-    """Agents take cells in the order of their numbers: each needs more cells that fit than others before it may have taken."""
+    """Yields what is wrong with the sends of `phase start` to a destination.
+
+    Agents take cells in the order of their numbers: each needs more cells that fit than others
+    before it may have taken.
+    """
     earlier = {agent: _cells_at_start(p, agent, game)[1] for p in sharing for agent in p.reached}
     for agent in sorted(
         pool.reached, key=lambda body: body.number
@@ -237,18 +241,16 @@ def _cells_at_start(pool: Pool, agent: Body, game: ir.Game) -> tuple[set[Place],
     possible = set()
     for s in pool.sends:
         known = {s.who.name: agent.number} if isinstance(s.who, ir.Member) else {}
-        by_glyph = s.domain.where is not None and reads_only_fields(
-            s.domain.where, s.domain.var.name
-        )
-        found: dict[Place | str, bool | None] = {}
-        for place in places(game, s.domain.var.kinds):
+        domain = s.domain
+        by_glyph = domain.where is not None and reads_only_fields(domain.where, domain.var.name)
+        fits: dict[Place | str, bool | None] = {}
+        for place in places(game, domain.var.kinds):
             key = place.glyph if by_glyph else place
-            if key not in found:
-                found[key] = s.domain.where is None or holds_at_start(
-                    s.domain.where, {**known, s.domain.var.name: place}, game
-                )
-            if found[key] is not False:
+            if key not in fits:
+                names: dict[str, Place | int] = {**known, domain.var.name: place}
+                fits[key] = domain.where is None or holds_at_start(domain.where, names, game)
+            if fits[key] is not False:
                 possible.add(place)
-            if found[key] is True:
+            if fits[key] is True:
                 sure.add(place)
     return sure, possible

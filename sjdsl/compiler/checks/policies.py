@@ -1,4 +1,7 @@
-"""Warns of rules of policies that cannot get anywhere: paths lead around what always blocks agents, and ignore what blocks them sometimes."""
+"""Warns of rules of policies that cannot get anywhere.
+
+Paths lead around what always blocks agents, and ignore what blocks them sometimes.
+"""
 
 from collections.abc import Iterator, Mapping
 
@@ -22,7 +25,7 @@ Walk = ir.Go | ir.Aim
 
 
 def check_policies(game: ir.Game, sources: Mapping[str, Source], problems: Problems) -> None:
-    """Warns of each `seek` and `aim` that cannot work: of the policies of the file, and of those that checks play."""
+    """Warns of each `seek` and `aim` that cannot work, in policies and in checks."""
     there = [kind for kind in game.kinds if num_cells(game, (kind.name,))]
     closed = [
         (kind.name, condition)
@@ -80,7 +83,10 @@ def _check_goal(
 
 
 def _reason(kind: ir.Kind, goal: ir.Domain, sources: Mapping[str, Source]) -> str | None:
-    """Returns when the cells of a kind that are sought block agents: empty for always; None if agents may enter them."""
+    """Returns when the cells of a kind that are sought block agents.
+
+    It is empty if they always do, and None if agents may enter them.
+    """
     if blocks_always(kind):
         return ""
     known = () if goal.where is None else facts(goal.where)
@@ -108,7 +114,10 @@ def _conditions(kind: ir.Kind, are_seen: bool = True) -> list[ir.Expr]:
 
 
 def _lasts(condition: ir.Expr, game: ir.Game) -> bool:
-    """Returns whether a condition depends on the agent, and stays as it is while the agent waits: no rule changes what it reads."""
+    """Returns whether a condition depends on the agent, and stays as it is while the agent waits.
+
+    No rule changes what it reads.
+    """
     if all(variable.name != "agent" for variable in free_variables(condition)):
         return False
     if contains(condition, ir.Step, ir.Count, ir.Sum, ir.Extreme, ir.Unoccupied):

@@ -55,7 +55,7 @@ class Played:
 
 
 @dataclass(frozen=True, eq=False)
-class Here(Analysis[Interval]):
+class IntRanges(Analysis[Interval]):
     """Folds numbers, and rows of numbers, to their intervals at one place of the rules.
 
     What leaves int32 is added to `played.leaving`. locals: the intervals of variables. known: what
@@ -67,8 +67,8 @@ class Here(Analysis[Interval]):
     locals: Mapping[str, Interval] = field(default_factory=dict)
     known: Mapping[Form, Interval] = field(default_factory=dict)
 
-    def knowing(self, condition: ir.Expr, holds: bool = True) -> "Here":
-        """Returns this place, where a condition is known to hold, or, with `holds` False, not to."""
+    def knowing(self, condition: ir.Expr, holds: bool = True) -> "IntRanges":
+        """Returns this place, where a condition is known to hold, or (`holds` False) not to."""
         place = self
         num_leaving = len(self.played.leaving)
         for part in conjuncts(condition, holds):
@@ -80,14 +80,18 @@ class Here(Analysis[Interval]):
         del self.played.leaving[num_leaving:]
         return place
 
-    def bounded(self, e: ir.Expr, limits: Interval) -> "Here":
+    def with_local(self, name: str, interval: Interval) -> "IntRanges":
+        """Returns this place with one more variable."""
+        return replace(self, locals={**self.locals, name: interval})
+
+    def bounded(self, e: ir.Expr, limits: Interval) -> "IntRanges":
         """Returns this place, where a number is known to lie in an interval."""
         subject = form(e, memo=self.played.forms)
         low, high = self.known.get(subject, (-inf, inf))
         bounded = (max(low, limits[0]), min(high, limits[1]))
         return replace(self, known={**self.known, subject: bounded})
 
-    def inside(self, domain: ir.Domain) -> "Here":
+    def inside(self, domain: ir.Domain) -> "IntRanges":
         """Goes through a domain, and returns the place where its variables are members of it."""
         if domain.restriction is not None:
             visit_children(domain.restriction, self)
@@ -96,7 +100,7 @@ class Here(Analysis[Interval]):
         visit(domain.where, self)
         return self.knowing(domain.where)
 
-    def in_arm(self, e: ir.Case, arm: ir.Arm) -> "Here":
+    def in_arm(self, e: ir.Case, arm: ir.Arm) -> "IntRanges":
         """Returns what is known in an arm of a `case`."""
         if e.subject.type.kind == "condition":
             return self.knowing(e.subject, arm.words == ("yes",))
@@ -106,7 +110,7 @@ class Here(Analysis[Interval]):
             return self.bounded(e.subject, (low, high))
         return self
 
-    def before(self) -> "Here":
+    def before(self) -> "IntRanges":
         return replace(self, known={})  # what is known is known of the state after the step
 
     def leaf(self, e: ir.Expr) -> Interval:
@@ -126,16 +130,19 @@ class Here(Analysis[Interval]):
             case ir.EventTotal():
                 return 0, self.played.totals.get(e.name, 0)
             case ir.Logic():
-                here = self
+                ranges = self
                 for part in e.args:
-                    visit(part, here)
-                    here = here.knowing(part, e.fn == "and")
+                    visit(part, ranges)
+                    ranges = ranges.knowing(part, e.fn == "and")
             case _:
                 visit_children(e, self)
         return e.type.low, e.type.high
 
     def refined(self, e: ir.Expr, result: Interval) -> Interval:
-        """Returns an interval within all that is known; notes a whole number that can leave int32."""
+        """Returns an interval within all that is known.
+
+        Notes a whole number that can leave int32.
+        """
         known = (-inf, inf)
         if self.known:
             known = self.known.get(form(e, memo=self.played.forms), known)
@@ -181,7 +188,7 @@ class Leaving(NamedTuple):
 
     value: ir.Expr
     interval: Interval
-    here: Here
+    ranges: IntRanges
 
 
 def _comparisons(condition: ir.Expr) -> Iterator[tuple[ir.Expr, ir.Comparison, ir.Expr]]:
@@ -200,12 +207,12 @@ def _comparisons(condition: ir.Expr) -> Iterator[tuple[ir.Expr, ir.Comparison, i
             yield subject, fn, other
 
 
-def interval_of(e: ir.Expr, here: Here) -> Interval:
+def interval_of(e: ir.Expr, ranges: IntRanges) -> Interval:
     """Returns the interval of a number, or of all entries of a row.
 
     What leaves int32 in it is added to `played.leaving`.
     """
-    return fold(e, here)
+    return fold(e, ranges)
 
 
 def leaves_int32(interval: Interval) -> bool:
@@ -213,20 +220,20 @@ def leaves_int32(interval: Interval) -> bool:
     return not (interval[0] >= LOWEST and interval[1] <= HIGHEST)
 
 
-def visit(node: ir.Node, here: Here) -> None:
+def visit(node: ir.Node, ranges: IntRanges) -> None:
     """Goes through a part of the rules that isn't a statement."""
     if isinstance(node, ir.Domain):
-        here.inside(node)
+        ranges.inside(node)
     elif ir.is_expression(node):
-        fold(node, here)
+        fold(node, ranges)
     else:
-        visit_children(node, here)
+        visit_children(node, ranges)
 
 
-def visit_children(node: ir.Node, here: Here) -> None:
+def visit_children(node: ir.Node, ranges: IntRanges) -> None:
     """Goes through all parts of a node, but not through what it is itself."""
     for child in ir.children(node):
-        visit(child, here)
+        visit(child, ranges)
 
 
 def _is_of_numbers(e: ir.Expr) -> bool:

@@ -1,10 +1,12 @@
-"""Write conflicts: refuses two writes in one phase unless they are provably one, equal, exclusive or commuting.
+"""Write conflicts: refuses two writes in one phase that could disagree.
 
-A write is looked at with everything around it: the quantifiers (each gives instances), the branches taken, and the
-conditions known to hold. Two writes of one field can only meet at one target, so conditions about the target decide.
+They are safe if they are provably one, equal, exclusive or commuting. A write is looked at with
+everything around it: the quantifiers (each gives instances), the branches taken, and the conditions
+known to hold. Two writes of one field can only meet at one target, so conditions about the target
+decide.
 """
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import field, replace
 from functools import cached_property
 from itertools import combinations
@@ -30,17 +32,34 @@ from sjdsl.compiler.ir.queries import (
 )
 from sjdsl.compiler.ir.types import has_limits, integer
 
+LASTING = (
+    ir.Member | ir.ParamRef | ir.Number | ir.Arithmetic | ir.Compare | ir.InRange | ir.Not
+    | ir.Logic | ir.Named
+)  # fmt: skip
+BOTH_BY_LOT = "those who draw lots together write the same: let both set the whole row, or both an entry of it"
+ONE_BY_LOT = "write `by lot` behind both, and all who would write it draw lots together"
+HEADING = "let one of the two happen with `otherwise`, or send `facing same`, or write two phases"
+
 
 class Quantifier(Record):
-    """One quantifier: the statement, the variables it binds, and whether it gives at most one instance for each around it."""
+    """One quantifier. single: whether it gives at most one instance for each around it."""
 
-    statement: ir.Stmt
-    binds: tuple[ir.Member, ...]
-    single: bool
+    statement: ir.Each | ir.Pick | ir.First | ir.Match
+    domains: tuple[ir.Domain, ...]
+    single: bool = False
+
+    @property
+    def names(self) -> set[str]:
+        """The variables that it binds."""
+        members = [member for domain in self.domains for member in (domain.var, domain.on)]
+        return {member.name for member in members if member is not None}
 
 
 class Branch(Record):
-    """One way through a statement with several. `once`: the statement is met once in the phase, so only one of its ways is taken."""
+    """One way through a statement with several.
+
+    once: the statement is met once in the phase, so only one of its ways is taken.
+    """
 
     statement: ir.Stmt
     way: int
@@ -48,69 +67,25 @@ class Branch(Record):
 
 
 class Target(Record):
-    """What is written: the place of an agent or a mover, or a field of something; `entries` of a row, None for any of them."""
+    """What is written: the place of an agent or a mover, or a field of something.
+
+    entries: of a row, None for any of them.
+    """
 
     of: Literal["agent", "cell", "mover", "world", "place"]
-    name: str = ""
+    name: str
+    kinds: tuple[str, ...] = ()
     entries: tuple[str | None, ...] = ()
 
 
-class Write(Record, eq=False):
-    """One `set`, `add` or change of place.
-
-    owner: whose field or place (None: the world's). keys: the agents that name an entry, None for an entry named in another way.
-    value: what two equal writes share.
-    """
-
-    sort: Literal["set", "add", "place"]
-    target: Target
-    kinds: tuple[str, ...]
-    owner: ir.Expr | None
-    value: Form
-    depends: frozenset[str]
-    statement: ir.Stmt
-    quantifiers: tuple[Quantifier, ...]
-    branches: tuple[Branch, ...]
-    facts: tuple[Fact, ...]
-    keys: tuple[ir.Member | None, ...] = ()
-
-    @property
-    def own_names(self) -> frozenset[str]:
-        """The variables that name the target: its owner, and the agents that name its entry."""
-        owner = (self.owner,) if isinstance(self.owner, ir.Member) else ()
-        return frozenset(member.name for member in (*owner, *self.keys) if member is not None)
-
-    @cached_property
-    def is_own(self) -> bool:
-        """Whether every target is written by one instance."""
-        return _is_own(self)
-
-    @property
-    def is_by_lot(self) -> bool:
-        return isinstance(self.statement, ir.Set) and self.statement.lot is not None
-
-    @cached_property
-    def about_target(self) -> tuple[Fact, ...]:
-        """The known conditions that speak of the target alone, under a name that two writes share."""
-        if self.owner is not None and not isinstance(self.owner, ir.Member):
-            return ()
-        target = {
-            member.name: f"entry {place}"
-            for place, member in enumerate(self.keys)
-            if member is not None
-        }
-        if self.owner is not None:
-            target[self.owner.name] = "target"
-        return tuple(
-            Fact(f.condition, target)
-            for f in self.facts
-            if {v.name for v in free_variables(f.condition)} <= target.keys()
-        )
-
-
 class Around(Record):
-    """What surrounds a statement. `locals`: the variables each `let` and `draw` depends on (`draw` on itself); `lanes`: of each shape;
-    `turns_agents`: whether a statement of the phase sets the heading of agents, so that a `send` may not set another."""
+    """What surrounds a statement.
+
+    locals: the variables each `let` and `draw` depends on (`draw` on itself).
+    lanes: how many each shape has.
+    turns_agents: whether a statement of the phase sets the heading of agents, so that a `send` may
+      not set another.
+    """
 
     quantifiers: tuple[Quantifier, ...] = ()
     branches: tuple[Branch, ...] = ()
@@ -121,75 +96,127 @@ class Around(Record):
     turns_agents: bool = False
 
     def knowing(self, known: Iterable[Fact]) -> "Around":
-        """Returns this with more that is known; of an agent that chose an action, also that it was not forbidden to."""
-        found = tuple(known)
-        return replace(
-            self,
-            facts=(
-                *self.facts,
-                *found,
-                *(new for f in found for new in _not_forbidden(f.condition, self.forbids)),
-            ),
-        )
+        """Returns this with more that is known.
+
+        Of an agent that chose an action, it is also known that it was not forbidden to.
+        """
+        new = list(known)
+        for fact in tuple(new):
+            new += _not_forbidden(fact.condition, self.forbids)
+        return replace(self, facts=(*self.facts, *new))
 
     def in_branch(self, s: ir.Stmt, way: int) -> "Around":
         """Returns what surrounds the statements of one way through `s`."""
-        return replace(
-            self, branches=(*self.branches, Branch(s, way, all(q.single for q in self.quantifiers)))
+        branch = Branch(s, way, once=all(q.single for q in self.quantifiers))
+        return replace(self, branches=(*self.branches, branch))
+
+    def inside(self, quantifier: Quantifier) -> "Around":
+        """Returns what surrounds the body of a quantifier."""
+        known: list[Fact] = []
+        for domain in quantifier.domains:
+            if domain.on is not None and not isinstance(quantifier.statement, ir.Match):
+                known.append(Fact(ir.StandsOn(agent=domain.var, kinds=domain.on.kinds)))
+            if domain.where is not None:
+                known += facts(domain.where)
+        return replace(self, quantifiers=(*self.quantifiers, quantifier)).knowing(known)
+
+    def names_in(self, *parts: ir.Expr | None) -> frozenset[str]:
+        """Returns the variables that values depend on, without those that they bind themselves."""
+        names: set[str] = set()
+        for part in parts:
+            if part is not None:
+                for variable in free_variables(part):
+                    names |= self.locals.get(variable.name, {variable.name})
+        return frozenset(names)
+
+    def with_local(self, name: str, depends: frozenset[str]) -> "Around":
+        """Returns this with one more variable, which depends on others."""
+        return replace(self, locals={**self.locals, name: depends})
+
+
+class Write(Record, eq=False):
+    """One `set`, `add` or change of place.
+
+    owner: whose field or place (None: the world's). keys: the agents that name an entry, None for
+      an entry named in another way.
+    value: what two equal writes share. depends: the variables that it depends on.
+    """
+
+    sort: Literal["set", "add", "place"]
+    target: Target
+    owner: ir.Expr | None
+    value: Form
+    depends: frozenset[str]
+    statement: ir.Stmt
+    around: Around
+    keys: tuple[str | None, ...] = ()
+
+    @property
+    def quantifiers(self) -> tuple[Quantifier, ...]:
+        return self.around.quantifiers
+
+    @property
+    def names_of_target(self) -> frozenset[str]:
+        """The variables that name the target: its owner, and the agents that name its entry."""
+        owner = self.owner.name if isinstance(self.owner, ir.Member) else None
+        return frozenset(name for name in (owner, *self.keys) if name is not None)
+
+    @cached_property
+    def is_alone(self) -> bool:
+        """Whether every target is written by one instance."""
+        return (any(self.keys) and _is_alone_by_keys(self)) or _is_alone_by_owner(self)
+
+    @property
+    def is_by_lot(self) -> bool:
+        return isinstance(self.statement, ir.Set) and self.statement.lot is not None
+
+    @cached_property
+    def about_target(self) -> tuple[Fact, ...]:
+        """The known conditions that speak of the target alone, under a name two writes share."""
+        if self.owner is not None and not isinstance(self.owner, ir.Member):
+            return ()
+        target: dict[str, object] = {}
+        for place, name in enumerate(self.keys):
+            if name is not None:
+                target[name] = f"entry {place}"
+        if self.owner is not None:
+            target[self.owner.name] = "target"
+        return tuple(
+            Fact(fact.condition, target)
+            for fact in self.around.facts
+            if {v.name for v in free_variables(fact.condition)} <= target.keys()
         )
 
 
 def check_conflicts(game: ir.Game, problems: Problems) -> None:
-    """Reports every pair of writes of one phase that could disagree, and `move` beside other statements."""
+    """Reports every pair of writes of one phase that could disagree, and `move` beside others."""
     around = Around(lanes={s.name: len(s.lanes) for s in game.shapes}, forbids=game.agents.forbids)
     for phase in phases_of(game):
         turns_agents = contains(phase, ir.Face)
         writes = list(_writes(phase.body, replace(around, turns_agents=turns_agents)))
         bounded = {write for write in writes if _is_bounded(write, game)}
         for write in writes:
-            if not (
-                write.sort == "add"
-                or write.is_by_lot
-                or write.is_own
-                or not (write.depends - write.own_names)
-            ):
-                _report(write, write, phase, problems)
-            elif (
-                write in bounded and not write.is_own
-            ):  # an `add` that several instances make at once is in range only if capped
-                assert isinstance(write.statement, ir.Add) and write.statement.origin is not None
-                declared = declared_field(game, written_field(write.statement.target))
-                span = write.statement.origin
-                low = declared.type.low
-                high = declared.type.high
-                reached = "the sum of several adds"
-                problems.add(
-                    errors.FieldRange(
-                        span,
-                        name=_target_text(write),
-                        declared=declared.name,
-                        low=low,
-                        high=high,
-                        reached=reached,
-                    )
-                )
+            if write.is_alone:
+                continue
+            if write in bounded:
+                _report_sum(write, game, problems)
+            elif write.sort != "add" and not write.is_by_lot:
+                if not write.depends <= write.names_of_target:
+                    _report(write, write, phase, problems)
         for a, b in combinations(writes, 2):
             if _same_target(a, b) and not _compatible(a, b, bounded):
                 _report(a, b, phase, problems)
-        move = next(
-            (node for s in phase.body for node in ir.walk(s) if isinstance(node, ir.Move)), None
-        )
-        if move is not None and (len(phase.body) > 1 or phase.body[0] is not move):
-            problems.add(errors.MoveAlone(move.span))
+        moves = [node for node in ir.walk(phase) if isinstance(node, ir.Move)]
+        if moves and phase.body != (moves[0],):
+            problems.add(errors.MoveAlone(moves[0].span))
 
 
 def _is_bounded(w: Write, game: ir.Game) -> bool:
-    """Returns whether this is an `add` that has to stay in a range of numbers: not one that is `capped`."""
+    """Returns whether this is an `add` that has to stay in a range, which isn't `capped`."""
     if not isinstance(w.statement, ir.Add):
         return False
-    if not has_limits(written_field(w.statement.target).type):
-        return False
-    return not declared_field(game, written_field(w.statement.target)).capped
+    written = written_field(w.statement.target)
+    return has_limits(written.type) and not declared_field(game, written).capped
 
 
 def _writes(body: tuple[ir.Stmt, ...], around: Around) -> Iterator[Write]:
@@ -197,134 +224,76 @@ def _writes(body: tuple[ir.Stmt, ...], around: Around) -> Iterator[Write]:
     for s in body:
         match s:
             case ir.Let():
-                around = replace(around, locals={**around.locals, s.name: _names(s.value, around)})
+                around = around.with_local(s.name, around.names_in(s.value))
             case ir.Draw():
-                around = replace(
-                    around, locals={**around.locals, s.name: frozenset({f"draw {s.name}"})}
-                )
-            case ir.Each() | ir.Pick() | ir.First():
-                yield from _quantified(s, around)
+                around = around.with_local(s.name, frozenset({f"draw {s.name}"}))
+            case ir.Each():
+                yield from _writes(s.body, around.inside(Quantifier(s, (s.domain,))))
+            case ir.First():
+                assert isinstance(s.domain.restriction, ir.Near)
+                single = around.lanes[s.domain.restriction.shape] <= 1
+                yield from _writes(s.body, around.inside(Quantifier(s, (s.domain,), single)))
+            case ir.Pick():
+                single = isinstance(s.number, ir.Number) and s.number.value <= 1
+                inner = around.inside(Quantifier(s, (s.domain,), single))
+                branches = around.in_branch(s, 0).branches
+                yield from _writes(s.body, replace(inner, branches=branches))
+                yield from _writes(s.otherwise, around.in_branch(s, 1))
             case ir.Match():
-                known = tuple(
-                    f for d in (s.left, s.right) if d.where is not None for f in facts(d.where)
-                )
-                quantifier = Quantifier(s, (*_bound(s.left), *_bound(s.right)), single=False)
-                yield from _writes(
-                    s.body,
-                    replace(around, quantifiers=(*around.quantifiers, quantifier)).knowing(known),
-                )
+                yield from _writes(s.body, around.inside(Quantifier(s, (s.left, s.right))))
             case ir.When() | ir.Chance():
-                known_here = around
-                for number, branch in enumerate(s.branches):
-                    here = known_here.knowing(facts(branch.test) if isinstance(s, ir.When) else ())
-                    yield from _writes(branch.body, here.in_branch(s, number))
-                    if isinstance(s, ir.When):
-                        known_here = known_here.knowing(facts(branch.test, holds=False))
-                yield from _writes(s.otherwise, known_here.in_branch(s, len(s.branches)))
+                yield from _branched(s, around)
             case ir.Set() | ir.Add():
                 yield _field_write(s, around)
             case ir.Send():
-                depends = _names(s.domain, around)
-                for part in (s.after, s.way):
-                    if part is not None:
-                        depends |= _names(part, around)
-                value = (
-                    "send",
-                    s.pool,
-                    None if s.after is None else form(s.after),
-                    s.facing,
-                    None if s.way is None else form(s.way),
-                    s.stay,
-                )
+                depends = around.names_in(s.domain.where) - {s.domain.var.name}
+                depends |= around.names_in(s.after, s.way)
+                value = ("send", s.pool, s.facing, s.stay, *_forms(s.after, s.way))
                 yield from _place_writes(s, value, depends, around)
             case ir.Shift():
                 parts = (s.to, s.steps, s.heading, s.other, s.way)
-                depends = frozenset(
-                    name for part in parts if part is not None for name in _names(part, around)
-                )
-                by: Form = (
-                    "shift",
-                    s.quarters,
-                    s.facing,
-                    *(None if part is None else form(part) for part in parts),
-                )
-                yield from _place_writes(s, by, depends, around)
-            case ir.Face():
-                yield Write(
-                    "set",
-                    Target("agent", "heading"),
-                    (),
-                    s.who,
-                    form(s.heading),
-                    _names(s.heading, around),
-                    s,
-                    around.quantifiers,
-                    around.branches,
-                    around.facts,
-                )
+                value = ("shift", s.quarters, s.facing, *_forms(*parts))
+                yield from _place_writes(s, value, around.names_in(*parts), around)
             case ir.Remove():
                 yield from _place_writes(s, ("remove",), frozenset(), around)
+            case ir.Face():
+                heading = Target("agent", "heading")
+                depends = around.names_in(s.heading)
+                yield Write("set", heading, s.who, form(s.heading), depends, s, around)
             case _:
                 pass
+
+
+def _branched(s: ir.When | ir.Chance, around: Around) -> Iterator[Write]:
+    """Yields the writes of the ways through a statement."""
+    is_when = isinstance(s, ir.When)
+    for number, branch in enumerate(s.branches):
+        inner = around.knowing(facts(branch.test)) if is_when else around
+        yield from _writes(branch.body, inner.in_branch(s, number))
+        if is_when:
+            around = around.knowing(facts(branch.test, holds=False))
+    yield from _writes(s.otherwise, around.in_branch(s, len(s.branches)))
+
+
+def _forms(*parts: ir.Expr | None) -> Form:
+    return tuple(None if part is None else form(part) for part in parts)
 
 
 def _place_writes(
     s: ir.Send | ir.Shift | ir.Remove, value: Form, depends: frozenset[str], around: Around
 ) -> Iterator[Write]:
-    """Yields the writes of a place: of `send`, `shift` and `remove`."""
+    """Yields the writes of a place, and of the heading that comes with it."""
     sort = body_sort(s.who)
-    rest = (around.quantifiers, around.branches, around.facts)
-    yield Write("place", Target("place", sort.name), (), s.who, value, depends, s, *rest)
+    yield Write("place", Target("place", sort.name), s.who, value, depends, s, around)
     if isinstance(s, ir.Remove) or s.facing == "same":
         return
-    if sort.what == "mover":  # the heading of a mover is a field
-        yield Write("set", Target("mover", "heading"), sort.names, s.who, value, depends, s, *rest)
+    if sort.what == "mover":  # its heading is a field
+        heading = Target("mover", "heading", sort.names)
     elif around.turns_agents:
-        yield Write("set", Target("agent", "heading"), (), s.who, value, depends, s, *rest)
-
-
-def _bound(d: ir.Domain) -> tuple[ir.Member, ...]:
-    return (d.var,) if d.on is None else (d.var, d.on)
-
-
-def _quantified(s: ir.Each | ir.Pick | ir.First, around: Around) -> Iterator[Write]:
-    """Yields the writes of the members of a domain, and of what happens if there is none."""
-    known = (
-        ()
-        if s.domain.on is None
-        else (Fact(ir.StandsOn(agent=s.domain.var, kinds=s.domain.on.kinds)),)
-    )
-    known = (*known, *(() if s.domain.where is None else facts(s.domain.where)))
-    if isinstance(s, ir.First):
-        single = (
-            isinstance(s.domain.restriction, ir.Near)
-            and around.lanes[s.domain.restriction.shape] <= 1
-        )
+        heading = Target("agent", "heading")
     else:
-        single = isinstance(s, ir.Pick) and isinstance(s.number, ir.Number) and s.number.value <= 1
-    inner = replace(
-        around, quantifiers=(*around.quantifiers, Quantifier(s, _bound(s.domain), single))
-    ).knowing(known)
-    if isinstance(s, ir.Pick):
-        yield from _writes(s.body, replace(inner, branches=around.in_branch(s, 0).branches))
-        yield from _writes(s.otherwise, around.in_branch(s, 1))
-    else:
-        yield from _writes(s.body, inner)
-
-
-def _names(e: ir.Node, around: Around) -> frozenset[str]:
-    """Returns the variables a value depends on; those its own quantifiers bind are not outside it."""
-    found: set[str] = set()
-    inner: set[str] = set()
-    for node in ir.walk(e):
-        match node:
-            case ir.Domain():
-                inner |= {m.name for m in _bound(node)}
-            case ir.Member():
-                found.add(node.name)
-            case ir.Local():
-                found |= around.locals.get(node.name, {node.name})
-    return frozenset(found - inner)
+        return
+    yield Write("set", heading, s.who, value, depends, s, around)
 
 
 def _field_write(s: ir.Set | ir.Add, around: Around) -> Write:
@@ -332,52 +301,40 @@ def _field_write(s: ir.Set | ir.Add, around: Around) -> Write:
     written = written_field(s.target)
     keys = written_keys(s.target)
     entries = [str(key.value) if isinstance(key, ir.Word | ir.Number) else None for key in keys]
-    depends = _names(s.value, around)
-    for key in keys:
-        if not isinstance(key, ir.Member):
-            depends |= _names(key, around)
-    sort: Literal["set", "add"] = "set" if isinstance(s, ir.Set) else "add"
+    others = (key for key in keys if not isinstance(key, ir.Member))
     quantifiers = tuple(
         replace(q, single=q.single or _is_of_one_agent(q, around.facts)) for q in around.quantifiers
     )
+    held_by = written.held_by
     return Write(
-        sort,
-        Target(written.held_by.what, written.name, tuple(entries)),
-        written.held_by.names,
-        written.owner,
-        form(s.value),
-        depends,
-        s,
-        quantifiers,
-        around.branches,
-        around.facts,
-        tuple(key if isinstance(key, ir.Member) else None for key in keys),
+        sort="set" if isinstance(s, ir.Set) else "add",
+        target=Target(held_by.what, written.name, held_by.names, tuple(entries)),
+        owner=written.owner,
+        value=form(s.value),
+        depends=around.names_in(s.value, *others),
+        statement=s,
+        around=replace(around, quantifiers=quantifiers),
+        keys=tuple(key.name if isinstance(key, ir.Member) else None for key in keys),
     )
 
 
 def _is_of_one_agent(quantifier: Quantifier, known: tuple[Fact, ...]) -> bool:
     """Returns whether all that is known leaves one agent, or one mover, to an `each`."""
-    if (
-        not isinstance(quantifier.statement, ir.Each)
-        or quantifier.statement.domain.var.sort.what == "cell"
-    ):
+    domain = quantifier.domains[0]
+    if not isinstance(quantifier.statement, ir.Each) or domain.var.sort.what == "cell":
         return False
-    if cell_under_all(quantifier.statement.domain) is not None:
+    if cell_under_all(domain) is not None:
         return True
-    index = ir.Attribute(
-        type=integer(0, float("inf"), "number"), owner=quantifier.statement.domain.var, name="index"
-    )
-    low, high = narrowed(index, known)
+    any_number = integer(0, float("inf"), "number")
+    low, high = narrowed(ir.Attribute(type=any_number, owner=domain.var, name="index"), known)
     return low == high
 
 
-def _is_own(w: Write) -> bool:
-    """Returns whether every target is written by one instance: it is the variable of the only quantifier that multiplies.
+def _is_alone_by_owner(w: Write) -> bool:
+    """Returns whether the owner is the variable of the only quantifier that multiplies.
 
     A quantifier that gives at most one instance for each of those around it does not multiply.
     """
-    if any(w.keys) and _owns_entries(w):
-        return True
     if w.owner is None:
         return all(q.single for q in w.quantifiers)
     if not isinstance(w.owner, ir.Member):
@@ -386,127 +343,118 @@ def _is_own(w: Write) -> bool:
     quantifiers = list(w.quantifiers)
     while quantifiers:
         quantifier = quantifiers.pop()
-        if not any(m.name in names for m in quantifier.binds):
+        if names.isdisjoint(quantifier.names):
             if not quantifier.single:
                 return False
             continue
-        alone = all(q.single for q in quantifiers)
-        domain = None if isinstance(quantifier.statement, ir.Match) else quantifier.statement.domain  # type: ignore[union-attr]
-        restriction = None if domain is None else domain.restriction
-        cell = None if domain is None else cell_under_all(domain)
-        if cell is not None and not alone:
+        is_outermost = all(q.single for q in quantifiers)
+        if isinstance(quantifier.statement, ir.Match):
+            return is_outermost
+        (domain,) = quantifier.domains
+        cell = cell_under_all(domain)
+        pair = _pair_of_side(quantifier, quantifiers)
+        if cell is not None and not is_outermost:
             names = {cell.name}  # nobody stands on two cells
-        elif (
-            isinstance(restriction, ir.Among)
-            and quantifiers
-            and isinstance(quantifiers[-1].statement, ir.Match)
-        ):
-            names = {m.name for m in restriction.members}
-        elif restriction is None or quantifier.single:
-            return alone
+        elif pair:
+            names = pair
         else:
-            return False
+            is_whole = domain.restriction is None or quantifier.single
+            return is_whole and is_outermost
     return False
 
 
-def _owns_entries(w: Write) -> bool:
-    """Returns whether every entry is written by one instance: its owner and its keys together name all that multiplies."""
+def _is_alone_by_keys(w: Write) -> bool:
+    """Returns whether an entry's owner and its keys together name all that multiplies."""
     if w.owner is not None and not isinstance(w.owner, ir.Member):
         return False
-    names = set(w.own_names)
-    for number, quantifier in reversed(list(enumerate(w.quantifiers))):
+    names = set(w.names_of_target)
+    quantifiers = list(w.quantifiers)
+    while quantifiers:
+        quantifier = quantifiers.pop()
         if quantifier.single:
             continue
-        if isinstance(quantifier.statement, ir.First) or not any(
-            m.name in names for m in quantifier.binds
-        ):
-            return False  # two lanes can reach one member
-        if isinstance(quantifier.statement, ir.Each) and isinstance(
-            quantifier.statement.domain.restriction, ir.Among
-        ):
-            if number and isinstance(
-                w.quantifiers[number - 1].statement, ir.Match
-            ):  # a side of a pair names the pair
-                names |= {m.name for m in quantifier.statement.domain.restriction.members}
+        # Two lanes can reach one member.
+        if isinstance(quantifier.statement, ir.First) or names.isdisjoint(quantifier.names):
+            return False
+        if isinstance(quantifier.statement, ir.Each):
+            names |= _pair_of_side(quantifier, quantifiers)
     return True
+
+
+def _pair_of_side(quantifier: Quantifier, around: Sequence[Quantifier]) -> set[str]:
+    """Returns the names of a pair, if a quantifier is about a side of it; else none."""
+    restriction = quantifier.domains[0].restriction
+    if isinstance(restriction, ir.Among) and around:
+        if isinstance(around[-1].statement, ir.Match):
+            return {member.name for member in restriction.members}
+    return set()
 
 
 def _same_target(a: Write, b: Write) -> bool:
     """Returns whether two writes may be of the same entry of the same field."""
-    if (a.target.of, a.target.name) != (b.target.of, b.target.name) or (
-        a.kinds and b.kinds and set(a.kinds).isdisjoint(b.kinds)
-    ):
+    one = a.target
+    other = b.target
+    if (one.of, one.name) != (other.of, other.name):
         return False
-    return all(
-        x == y or None in (x, y) for x, y in zip(a.target.entries, b.target.entries, strict=False)
-    )
+    if one.kinds and other.kinds and set(one.kinds).isdisjoint(other.kinds):
+        return False
+    pairs = zip(one.entries, other.entries, strict=False)
+    return all(x == y or None in (x, y) for x, y in pairs)
 
 
 def _compatible(a: Write, b: Write, bounded: Collection[Write]) -> bool:
     """Returns whether two writes never disagree. bounded: adds to fields with limits."""
-    if a.sort == b.sort == "add":
-        return not (a in bounded or b in bounded) or _exclusive(a, b)
+    if a.sort == b.sort == "add" and a not in bounded and b not in bounded:
+        return True
     if a.is_by_lot and b.is_by_lot and len(a.target.entries) == len(b.target.entries):
         return True  # all who would write one target draw together
-    if a.sort == b.sort and a.value == b.value and not (a.depends | b.depends):
+    if a.sort == b.sort != "add" and a.value == b.value and not (a.depends | b.depends):
         return True
     return _exclusive(a, b)
 
 
 def _exclusive(a: Write, b: Write) -> bool:
     """Returns whether the two writes can never reach the same target in one phase."""
-    apart = [
-        x for x in a.branches for y in b.branches if x.statement is y.statement and x.way != y.way
-    ]
-    if any(x.once for x in apart):
+    ways_of_b = {id(branch.statement): branch.way for branch in b.around.branches}
+    apart = [x for x in a.around.branches if ways_of_b.get(id(x.statement), x.way) != x.way]
+    if any(branch.once for branch in apart):
         return True
-    if a.is_own and b.is_own and ((apart and _shared_quantifier(a, b)) or _two_sides(a, b)):
-        return True
+    if a.is_alone and b.is_alone:
+        if (apart and _share_quantifier(a, b)) or _are_two_sides(a, b):
+            return True
     return any(contradict(x, y) for x in a.about_target for y in b.about_target)
 
 
-def _shared_quantifier(a: Write, b: Write) -> bool:
-    """Returns whether both targets are the variable of one and the same quantifier, or entries named by those of the same quantifiers."""
+def _share_quantifier(a: Write, b: Write) -> bool:
+    """Returns whether both targets are named by the variables of the same quantifiers."""
     if any(a.keys) or any(b.keys):
-        alike = [None if m is None else m.name for m in a.keys] == [
-            None if m is None else m.name for m in b.keys
-        ]
-        multiplying = (
-            [id(q.statement) for q in w.quantifiers if not q.single] for w in (a, b)
-        )  # those that can give several instances
-        return alike and a.own_names == b.own_names and next(multiplying) == next(multiplying)
+        is_same = a.keys == b.keys and a.names_of_target == b.names_of_target
+        return is_same and _multiplying(a) == _multiplying(b)
     if a.owner is None and b.owner is None:
         return True
-    same = (
-        isinstance(a.owner, ir.Member)
-        and isinstance(b.owner, ir.Member)
-        and a.owner.name == b.owner.name
-    )
-    return (
-        same
-        and bool(a.quantifiers)
-        and bool(b.quantifiers)
-        and a.quantifiers[0].statement is b.quantifiers[0].statement
-    )
+    return a.names_of_target == b.names_of_target != frozenset() and _have_one_outermost(a, b)
 
 
-def _two_sides(a: Write, b: Write) -> bool:
+def _multiplying(w: Write) -> list[int]:
+    """Returns the identities of the quantifiers that can give several instances."""
+    return [id(q.statement) for q in w.quantifiers if not q.single]
+
+
+def _have_one_outermost(a: Write, b: Write) -> bool:
+    if not a.quantifiers or not b.quantifiers:
+        return False
+    return a.quantifiers[0].statement is b.quantifiers[0].statement
+
+
+def _are_two_sides(a: Write, b: Write) -> bool:
     """Returns whether the targets are the two sides of one `match`: always different members."""
-    if not (
-        a.quantifiers and b.quantifiers and a.quantifiers[0].statement is b.quantifiers[0].statement
-    ):
+    if not (len(a.quantifiers) == len(b.quantifiers) == 1 and _have_one_outermost(a, b)):
         return False
-    if (
-        not isinstance(a.quantifiers[0].statement, ir.Match)
-        or len(a.quantifiers) != 1
-        or len(b.quantifiers) != 1
-    ):
+    if not isinstance(a.quantifiers[0].statement, ir.Match):
         return False
-    return (
-        isinstance(a.owner, ir.Member)
-        and isinstance(b.owner, ir.Member)
-        and a.owner.name != b.owner.name
-    )
+    if not isinstance(a.owner, ir.Member) or not isinstance(b.owner, ir.Member):
+        return False
+    return a.owner.name != b.owner.name
 
 
 def _target_text(w: Write) -> str:
@@ -515,65 +463,69 @@ def _target_text(w: Write) -> str:
     return w.target.name if w.owner is None else f"{text(w.owner)}.{w.target.name}"
 
 
+def _report_sum(w: Write, game: ir.Game, problems: Problems) -> None:
+    """Reports an `add` that several instances make at once: only a capped field stays in range."""
+    assert isinstance(w.statement, ir.Add)
+    declared = declared_field(game, written_field(w.statement.target))
+    problems.add(
+        errors.FieldRange(
+            w.statement.span,
+            name=_target_text(w),
+            declared=declared.name,
+            low=declared.type.low,
+            high=declared.type.high,
+            reached="the sum of several adds",
+        )
+    )
+
+
 def _report(a: Write, b: Write, phase: ir.Phase, problems: Problems) -> None:
     """Reports two writes of a phase that may disagree."""
-    span = b.statement.origin
-    other = a.statement.origin
-    assert span is not None and other is not None
-    labels = () if a is b else (Label(other, "the other write is here"),)
+    span = b.statement.span
+    labels = () if a is b else (Label(a.statement.span, "the other write is here"),)
+    name = _target_text(b)
+    target = a.target
     if a.sort == b.sort == "place":
-        who = "an agent" if a.target.name == "agent" else f"a mover `{a.target.name}`"
+        who = "an agent" if target.name == "agent" else f"a mover `{target.name}`"
         problems.add(errors.TwoDestinations(span, labels=labels, phase=phase.label, who=who))
-    elif {a.sort, b.sort} == {"set", "add"}:
-        problems.add(errors.AddAndSet(span, labels=labels, name=_target_text(b), phase=phase.label))
-    else:
-        owner = a.target.name if a.target.of == "place" else a.target.of
-        lot = ""
-        if a.is_by_lot and b.is_by_lot:
-            lot = "those who draw lots together write the same: let both set the whole row, or both an entry of it"
-        elif (a.target.of, a.target.name) == ("agent", "heading"):
-            lot = "let one of the two happen with `otherwise`, or send `facing same`, or write two phases"
-        elif a.is_by_lot or b.is_by_lot:
-            lot = "write `by lot` behind both, and all who would write it draw lots together"
-        problems.add(
-            errors.WriteConflict(
-                span, labels=labels, name=_target_text(b), owner=owner, phase=phase.label, lot=lot
-            )
+        return
+    if {a.sort, b.sort} == {"set", "add"}:
+        problems.add(errors.AddAndSet(span, labels=labels, name=name, phase=phase.label))
+        return
+    lot = ""
+    if a.is_by_lot and b.is_by_lot:
+        lot = BOTH_BY_LOT
+    elif (target.of, target.name) == ("agent", "heading"):
+        lot = HEADING
+    elif a.is_by_lot or b.is_by_lot:
+        lot = ONE_BY_LOT
+    problems.add(
+        errors.WriteConflict(
+            span, labels=labels, name=name, owner=target.of, phase=phase.label, lot=lot
         )
+    )
 
 
 def _is_lasting(node: ir.Node) -> bool:
-    """Returns whether a part of a condition on an agent has one value throughout an episode: its number, and numbers of the game."""
-    match node:
-        case ir.Attribute():
-            return node.name == "index"
-        case (
-            ir.Member()
-            | ir.ParamRef()
-            | ir.Number()
-            | ir.Arithmetic()
-            | ir.Compare()
-            | ir.InRange()
-            | ir.Not()
-            | ir.Logic()
-            | ir.Named()
-        ):
-            return True
-        case _:
-            return False
+    """Returns whether a part of a condition has one value throughout an episode.
+
+    That is so of the number of an agent, and of numbers of the game.
+    """
+    if isinstance(node, ir.Attribute):
+        return node.name == "index"
+    return isinstance(node, LASTING)
 
 
 def _not_forbidden(condition: ir.Expr, forbids: Iterable[ir.Forbid]) -> Iterator[Fact]:
-    """Yields what is known of an agent that chose an action: what holds now as it did before the step, when it was not forbidden."""
-    if isinstance(condition, ir.Chose) and isinstance(condition.agent, ir.Member):
-        for forbid in forbids:
-            if condition.action in forbid.actions and not forbid.names:
-                parts = conjuncts(
-                    renamed(forbid.condition, {"agent": condition.agent.name}), holds=False
-                )
-                yield from (
-                    fact
-                    for part in parts
-                    if all(map(_is_lasting, ir.walk(part)))
-                    for fact in facts(part)
-                )
+    """Yields what is known of an agent that chose an action, as it was not forbidden.
+
+    Only what holds now as it did before the step is known.
+    """
+    if not isinstance(condition, ir.Chose) or not isinstance(condition.agent, ir.Member):
+        return
+    for forbid in forbids:
+        if condition.action in forbid.actions and not forbid.names:
+            forbidden = renamed(forbid.condition, {"agent": condition.agent.name})
+            for part in conjuncts(forbidden, holds=False):
+                if all(map(_is_lasting, ir.walk(part))):
+                    yield from facts(part)

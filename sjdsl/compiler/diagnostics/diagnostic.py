@@ -1,12 +1,12 @@
 """A diagnostic as data: what is wrong, where, and what to write instead; see `errors`."""
 
 from collections.abc import Iterable
-from dataclasses import MISSING, Field, dataclass, field, fields
+from dataclasses import field
 from operator import attrgetter
 from string import Formatter
 from typing import Any, ClassVar, Literal, dataclass_transform
 
-from sjdsl.compiler.diagnostics.frozen import Frozen, Record
+from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.near_names import either, nearest
 
@@ -36,30 +36,8 @@ class Suggestion(Record):
 
 
 @dataclass_transform(frozen_default=True, kw_only_default=True, field_specifiers=(field,))
-class Facts(Frozen):
-    """A class of facts by name: a subclass declares its fields.
-
-    It becomes a dataclass when its first value is made: in most processes nothing is wrong.
-    """
-
-    def __init__(self, span: Span, **values: Any) -> None:
-        declared = _fields(type(self))
-        facts = {name: f.default for name, f in declared.items()} | values | {"span": span}
-        wrong = [name for name, value in facts.items() if name not in declared or value is MISSING]
-        if wrong:
-            raise TypeError(
-                f"{type(self).__name__} lacks, or does not have, the facts {', '.join(wrong)}"
-            )
-        self.__dict__.update(facts)
-
-
-def _fields(kind: type[Any]) -> dict[str, Field[Any]]:
-    """Returns the fields of a kind of diagnostic, by name."""
-    if "__dataclass_fields__" not in vars(kind):
-        if kind.__base__ is not Facts:
-            _fields(kind.__base__)  # type: ignore[arg-type]
-        dataclass(init=False, eq=False, repr=False)(kind)
-    return {f.name: f for f in fields(kind)}
+class Facts(Record):
+    """A class of facts by name: a subclass declares its fields."""
 
 
 class Diagnostic(Facts):
@@ -88,6 +66,7 @@ class Diagnostic(Facts):
     def __init_subclass__(
         cls, code: str = "", title: str = "", severity: Severity = "error"
     ) -> None:
+        super().__init_subclass__()
         if code:
             cls.code = code
             cls.title = title

@@ -5,34 +5,12 @@ from dataclasses import MISSING, Field, FrozenInstanceError, dataclass, field, f
 from typing import Any, ClassVar, dataclass_transform
 
 
-class Frozen:
-    """A frozen class whose methods are the same for all subclasses.
+@dataclass_transform(frozen_default=True, field_specifiers=(field,))
+class Record:
+    """A frozen dataclass: a subclass declares its fields, and its methods are those of this class.
 
     `dataclass(frozen=True)` would compile six methods for each, in every process that reads a game.
     """
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        if name in self.__dict__:
-            raise FrozenInstanceError(f"cannot assign to field {name!r}")
-        self.__dict__[name] = value
-
-    def __delattr__(self, name: str) -> None:
-        raise FrozenInstanceError(f"cannot delete field {name!r}")
-
-    def __eq__(self, other: object) -> bool:
-        return self.__dict__ == other.__dict__ if type(other) is type(self) else NotImplemented
-
-    def __hash__(self) -> int:
-        return hash((type(self), *self.__dict__.values()))
-
-    def __repr__(self) -> str:
-        values = ", ".join(f"{name}={value!r}" for name, value in self.__dict__.items())
-        return f"{type(self).__name__}({values})"
-
-
-@dataclass_transform(frozen_default=True, field_specifiers=(field,))
-class Record(Frozen):
-    """A subclass declares its fields and is a dataclass, without any method compiled for it."""
 
     __dataclass_fields__: ClassVar[dict[str, Field[Any]]]
     _names: ClassVar[tuple[str, ...]] = ()
@@ -62,14 +40,28 @@ class Record(Frozen):
     def _completed(self, values: tuple[Any, ...], named: dict[str, Any]) -> tuple[Any, ...]:
         """Returns a value for each field: those in order, those by name, and defaults."""
         names = self._names
-        in_order = dict(zip(names, values, strict=False))  # fields may be missing, or too many
+        in_order = dict(zip(names, values, strict=False))
         by_name = self._defaults | in_order | named
         for name in self._factories.keys() - by_name:
             by_name[name] = self._factories[name]()
-        has_two = values and not named.keys().isdisjoint(names[: len(values)])
-        if len(values) > len(names) or has_two or by_name.keys() != set(names):
-            raise TypeError(
-                f"{type(self).__name__} takes {', '.join(names)}; "
-                f"given: {len(values)} values, and by name: {', '.join(named)}"
-            )
+        if len(values) > len(names) or by_name.keys() != set(names):
+            raise TypeError(f"{type(self).__name__} takes {', '.join(names)}")
         return tuple(by_name[name] for name in names)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name in self.__dict__:
+            raise FrozenInstanceError(f"cannot assign to field {name!r}")
+        self.__dict__[name] = value
+
+    def __delattr__(self, name: str) -> None:
+        raise FrozenInstanceError(f"cannot delete field {name!r}")
+
+    def __eq__(self, other: object) -> bool:
+        return self.__dict__ == other.__dict__ if type(other) is type(self) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash((type(self), *self.__dict__.values()))
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{name}={value!r}" for name, value in self.__dict__.items())
+        return f"{type(self).__name__}({values})"

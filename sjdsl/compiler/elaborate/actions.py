@@ -215,12 +215,12 @@ def _argument_value(
         case "agent":
             check_agent(value, tree, "an agent, or the number of one", scope)
         case "int":
-            if value.type.kind != "int" or value.type.indexed_by:
+            if not value.type.is_single("int"):
                 raise wrong_type(scope, tree, "a whole number", value.type)
             join_types([type_, value.type], scope, "compare", tree)
         case _:
             value = narrow_word(value, scope.facts)
-            if value.type.kind != "word" or value.type.indexed_by:
+            if not value.type.is_single("word"):
                 raise wrong_type(scope, tree, describe(type_), value.type)
             if isinstance(value, ir.Word):
                 check_words((value.value,), type_.words, tree.span, name, scope)

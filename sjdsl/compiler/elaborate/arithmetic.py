@@ -73,7 +73,7 @@ def calculated(
     numbers = [arg.value for arg in args if isinstance(arg, ir.Number)]
     if len(numbers) == len(args):
         value = operation.fold(*numbers)
-        constant = type_.model_copy(update={"low": value, "high": value})
+        constant = type_.changed(low=value, high=value)
         return ir.Number(type=constant, value=value, origin=e.span)
     return ir.Arithmetic(type=type_, fn=operation.name, args=tuple(args), origin=e.span)
 
@@ -242,7 +242,7 @@ def _unit_mismatch(
         if unit is None:
             last = type_
             break
-        joined = joined.model_copy(update={"unit": unit})
+        joined = joined.changed(unit=unit)
     return mismatch(scope, e.span, operation.verb or "compare", joined, last)
 
 
@@ -301,12 +301,10 @@ def join_types(types: list[ir.Type], scope: Scope, verb: str, tree: ast.Expr) ->
                 raise mismatch(scope, tree.span, verb, joined, other)
             low, high = hull([joined, other])
             kind = "int" if joined.kind == other.kind == "int" else "real"
-            joined = joined.model_copy(
-                update={"kind": kind, "unit": unit, "low": low, "high": high}
-            )
+            joined = joined.changed(kind=kind, unit=unit, low=low, high=high)
         elif joined.kind == other.kind == "word":
             union = tuple(dict.fromkeys(joined.words + other.words))
-            joined = joined.model_copy(update={"words": union})
+            joined = joined.changed(words=union)
         elif joined.kind != other.kind:
             raise mismatch(scope, tree.span, verb, joined, other)
     return joined

@@ -11,7 +11,7 @@ from sjdsl.compiler.elaborate.fitting import check_number, fitting_value
 from sjdsl.compiler.elaborate.lookup import declared_name, interval_text, is_agent, read_beside
 from sjdsl.compiler.elaborate.movers import check_heading
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
-from sjdsl.compiler.elaborate.streams import PhaseUse
+from sjdsl.compiler.elaborate.streams import Streams
 from sjdsl.compiler.elaborate.trials import TRIAL
 from sjdsl.compiler.ir.implications import narrowed
 from sjdsl.compiler.ir.printer import expression_text as text
@@ -37,7 +37,7 @@ def target_of(path: ast.Path, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
             raise scope.fail(errors.TrialIsCounted(path.span))
         if is_of_world and field.name in scope.static.task_fields:
             raise scope.fail(errors.TaskWritten(path.span, name=field.name))
-        return target, declaration(field, scope)
+        return target, scope.static.fields_of(field.held_by)[field.name]
     match field:
         case ir.Attribute(name="row" | "col", owner=ir.Member(sort=ir.Sort("mover", (name,)))):
             help_ = (
@@ -58,20 +58,6 @@ def target_of(path: ast.Path, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
     raise scope.expected(path.span, "a field", describe(target.type), help_)
 
 
-def declaration(field: ir.FieldRead, scope: Scope) -> ir.VarField:
-    """Returns the declaration of a field that is read or written."""
-    static = scope.static
-    match field.held_by.what:
-        case "world":
-            return static.fields[field.name]
-        case "agent":
-            return static.agent_fields[field.name]
-        case "mover":
-            return static.mover_fields(field.held_by.name)[field.name]
-        case "cell":
-            return static.kinds[field.held_by.names[0]][field.name]
-
-
 def _target_beside(s: ast.Set | ast.Add, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
     """Returns what a statement writes; if that is wrong, reports the mistakes in the value too."""
     try:
@@ -81,7 +67,7 @@ def _target_beside(s: ast.Set | ast.Add, scope: Scope) -> tuple[ir.Expr, ir.VarF
         raise
 
 
-def set_(s: ast.Set, scope: Scope, use: PhaseUse) -> ir.Stmt:
+def set_(s: ast.Set, scope: Scope, streams: Streams) -> ir.Stmt:
     """Returns `set target = value` or `set target = value by lot`."""
     if _is_heading(s.target, scope):
         return _face(s, scope)
@@ -102,7 +88,7 @@ def set_(s: ast.Set, scope: Scope, use: PhaseUse) -> ir.Stmt:
     if s.lot is not None:
         if s.lot.text != "lot":
             raise scope.problems.unknown(s.lot, ("lot",), "what may follow `by` here")
-        lot = use.streams.of_statement(use.streams.header(s.span))
+        lot = streams.of_line(s.span)
     return ir.Set(target=target, value=value, lot=lot, origin=s.span)
 
 

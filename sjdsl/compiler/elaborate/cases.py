@@ -30,9 +30,9 @@ def case(e: ast.Case, scope: Scope) -> ir.Expr:
     subject = scope.narrowed(e.subject)
     if isinstance(subject, ir.Word):
         return _known_word(e, subject, scope)
-    if subject.type.kind in ("word", "condition") and not subject.type.indexed_by:
+    if subject.type.is_single("word", "condition"):
         keys = _word_keys(e, subject, scope)
-    elif subject.type.kind == "int" and not subject.type.indexed_by:
+    elif subject.type.is_single("int"):
         keys = _number_keys(e, subject, scope)
     else:
         wanted = "a whole number, a word or a condition"

@@ -1,13 +1,13 @@
 """Elaborates `size` and `param`: units, values, tables and limits."""
 
-from collections.abc import Callable
-from itertools import product
+from dataclasses import dataclass, field
 from math import isfinite
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.diagnostic import Label
+from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.keys import entries_of, level_of
 from sjdsl.compiler.elaborate.lookup import no_word, not_among, table_words
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
@@ -16,7 +16,6 @@ from sjdsl.compiler.ir.types import INTEGER_UNITS, UNIT_LIMITS, describe
 
 UNITS = (*UNIT_LIMITS, "word")
 Tree = ast.Expr | ast.Table
-T = TypeVar("T")
 
 
 def constant(declared: ast.Constant, scope: Scope, override: object = None) -> None:
@@ -40,21 +39,20 @@ def constant(declared: ast.Constant, scope: Scope, override: object = None) -> N
             )
         )
     low, high = _limits(declared, scope)
-    level = None if declared.by is None else level_of(declared.by, scope)
-    by, value = _value(declared.value, unit, scope, level)
+    numbers = _Numbers(unit, scope)
+    by, value = numbers.read(declared.value, declared.by)
     if override is not None and declared.is_size:
         value = _overridden(declared, override, scope)
-    keys = product(*(each.names for each in by))
-    entries = zip(keys, _numbers(value), strict=True)
-    outside = [(key, number) for key, number in entries if not low <= number <= high]
+        numbers.written = [(declared.value.span, value)]
+    outside = {span: number for span, number in numbers.written if not low <= number <= high}
     if outside:
-        _report_outside(declared, outside, (low, high), level, scope)
+        _report_outside(declared, outside, (low, high), scope)
         if not isinstance(value, tuple):  # the rest of the game is read with an allowed number
             value = type(value)(min(max(value, low), high))
     kind: Literal["int", "real"] = "int" if unit in INTEGER_UNITS else "real"
     type_ = ir.Type(kind=kind, unit=unit, low=low, high=high, indexed_by=by)  # type: ignore[arg-type]
     if declared.is_size:
-        type_ = type_.model_copy(update={"low": value, "high": value})
+        type_ = type_.changed(low=value, high=value)
         static.sizes[name] = ir.Size(name=name, type=type_, value=value, origin=declared.span)
     else:
         static.params[name] = ir.Param(name=name, type=type_, value=value, origin=declared.span)
@@ -62,14 +60,15 @@ def constant(declared: ast.Constant, scope: Scope, override: object = None) -> N
 
 def _report_outside(
     declared: ast.Constant,
-    outside: list[tuple[tuple[str, ...], float]],
+    outside: dict[Span, float],
     interval: tuple[float, float],
-    level: Level | None,
     scope: Scope,
 ) -> None:
-    """Reports the numbers of one declaration that are outside its limits, as one mistake."""
-    entries = [_entry(declared.value, keys, level, scope) for keys, _ in outside]
-    first, *others = dict.fromkeys(entry.span for entry in entries)
+    """Reports the numbers of one declaration that are outside its limits, as one mistake.
+
+    outside: these numbers, by where they are written.
+    """
+    first, *others = outside
     labels = [Label(span, "and this") for span in others]
     reason = ""
     if declared.low is not None:
@@ -78,13 +77,12 @@ def _report_outside(
             labels.insert(0, Label(limits_span, "its limits are here"))
         reason = _reason_of_limits(declared, scope)
     low, high = interval
-    _, value = outside[0]
     scope.problems.add(
         errors.OutOfLimits(
             first,
             labels=tuple(labels),
             name=f"`{declared.name.text}`",
-            value=value,
+            value=outside[first],
             low=low,
             high=high,
             reason=reason,
@@ -144,33 +142,34 @@ def _limits(declared: ast.Constant, scope: Scope) -> tuple[float, float]:
     return low, high
 
 
-def _value(
-    tree: Tree, unit: str, scope: Scope, level: Level | None = None
-) -> tuple[tuple[Level, ...], int | float | tuple[Any, ...]]:
-    """Returns the levels of a number or table, and its value, nested as the levels.
+@dataclass
+class _Numbers:
+    """Reads the numbers of a declaration: one, or a table.
 
-    level: the first one, where it is declared by `by`.
+    written: the numbers that were read, each with its place.
     """
-    if level is not None:
-        entries = entries_of(tree, level, scope)
-    elif isinstance(tree, ast.Table):
-        level, entries = _entries_by_words(tree, scope)
-    else:
-        return (), _number(tree, unit, scope)
-    read = _each_once(entries, lambda entry: _value(entry, unit, scope))
-    inner_levels, values = zip(*read, strict=True)
-    if len(set(inner_levels)) > 1:
-        raise scope.fail(errors.UnequalRows(tree.span))
-    return (level, *inner_levels[0]), values
 
+    unit: str
+    scope: Scope
+    written: list[tuple[Span, float]] = field(default_factory=list)
 
-def _each_once(trees: list[Tree], read: Callable[[Tree], T]) -> list[T]:
-    """Returns what is read of each tree; one that stands for several entries is read once."""
-    results: dict[int, T] = {}
-    for tree in trees:
-        if id(tree) not in results:
-            results[id(tree)] = read(tree)
-    return [results[id(tree)] for tree in trees]
+    def read(
+        self, tree: Tree, declared_by: ast.By | None = None
+    ) -> tuple[tuple[Level, ...], int | float | tuple[Any, ...]]:
+        """Returns the levels of a number or table, and its value, nested as the levels."""
+        if declared_by is not None:
+            level = level_of(declared_by, self.scope)
+            entries = entries_of(tree, level, self.scope)
+        elif isinstance(tree, ast.Table):
+            level, entries = _entries_by_words(tree, self.scope)
+        else:
+            number = _number(tree, self.unit, self.scope)
+            self.written.append((tree.span, number))
+            return (), number
+        inner_levels, values = zip(*map(self.read, entries), strict=True)
+        if len(set(inner_levels)) > 1:
+            raise self.scope.fail(errors.UnequalRows(tree.span))
+        return (level, *inner_levels[0]), values
 
 
 def _entries_by_words(table: ast.Table, scope: Scope) -> tuple[Level, list[Tree]]:
@@ -246,7 +245,7 @@ def _word(declared: ast.Constant, scope: Scope) -> tuple[ir.Type, str | tuple[st
     elif isinstance(declared.value, ast.Table):
         level, entries = _entries_by_words(declared.value, scope)
         by = (level,)
-    values = tuple(_each_once(entries, lambda entry: _one_word(entry, scope)))
+    values = tuple(_one_word(entry, scope) for entry in entries)
     sets = [level.names for level in by if level.kind == "word"] + scope.static.word_sets
     words = next((words for words in sets if set(values) <= set(words)), None)
     if words is None:
@@ -263,26 +262,3 @@ def _one_word(tree: Tree, scope: Scope) -> str:
     if not isinstance(built, ir.Word):
         raise wrong_type(scope, tree, "a word", built.type)
     return built.value
-
-
-def _entry(value: Tree, keys: tuple[str, ...], level: Level | None, scope: Scope) -> Tree:
-    """Returns the entry of a table that was read without mistakes, or the number itself.
-
-    level: the first one, where it is declared by `by`.
-    """
-    if level is not None:
-        first, *others = keys
-        value = entries_of(value, level, scope)[level.names.index(first)]
-        keys = tuple(others)
-    for key in keys:
-        assert isinstance(value, ast.Table)
-        value = next(e.value for e in value.entries if e.key.text == key)
-    return value
-
-
-def _numbers(value: object) -> list[float]:
-    """Returns the numbers of a nested tuple, in order."""
-    if isinstance(value, tuple):
-        return [number for entry in value for number in _numbers(entry)]
-    assert isinstance(value, int | float)
-    return [value]

@@ -158,7 +158,7 @@ def _restriction(
             return ir.Among(members=members, origin=restriction.span)
         case ast.Path():
             value = scope.expression(restriction)
-            if is_member(var, "cell") and value.type.kind == "cell" and not value.type.indexed_by:
+            if is_member(var, "cell") and value.type.is_single("cell"):
                 if not set(var.kinds) & set(value.type.kinds):
                     raise scope.fail(errors.NeverOneCell(restriction.span))
                 return ir.InCell(value=value, origin=restriction.span)

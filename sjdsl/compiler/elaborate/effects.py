@@ -23,7 +23,7 @@ from sjdsl.compiler.elaborate.lookup import (
 from sjdsl.compiler.elaborate.movers import check_heading, heading_of
 from sjdsl.compiler.elaborate.paths import placed
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
-from sjdsl.compiler.elaborate.streams import PhaseUse
+from sjdsl.compiler.elaborate.streams import Streams
 from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.compiler.ir.printer import expression_text as text
 from sjdsl.runtime.actions import HEADINGS
@@ -52,7 +52,7 @@ def body(e: ast.Path, scope: Scope) -> ir.Expr:
 def receiver(e: ast.Path, scope: Scope) -> ir.Expr:
     """Returns one agent or a set of agents."""
     built = scope.expression(e)
-    if built.type.kind == "agents" and not built.type.indexed_by:
+    if built.type.is_single("agents"):
         return built
     wanted = "an agent or a set of agents"
     if is_member(built, "mover"):
@@ -132,7 +132,7 @@ def _check_stay(stay: ast.Name | None, who_stays: str, scope: Scope) -> None:
         raise scope.fail(errors.UnknownName(stay.span, name=stay.text, help=help_, fix=fix))
 
 
-def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
+def send(s: ast.Send, scope: Scope, streams: Streams) -> ir.Stmt:
     """Returns `send x to CELL` as a shift if it happens at once, else `send x to DOMAIN`."""
     who = body(s.who, scope)
     after = None
@@ -148,13 +148,13 @@ def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
     if cell is not None and s.stay is None:
         raise _perhaps_taken(s, cell, scope)
     if cell is not None and after is None:
-        header = use.streams.header(s.span)
+        header = streams.header(s.span)
         return ir.Shift(
             who=who,
             to=cell,
             **facing,
-            stream=use.streams.of_statement(header),
-            heading_stream=use.streams.of_statement(f"heading of {header}"),
+            stream=streams.of_statement(header),
+            heading_stream=streams.of_statement(f"heading of {header}"),
             origin=s.span,
         )
     if cell is None:
@@ -162,7 +162,7 @@ def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
         destination = _cells_to_choose_from(s.domain, arrival_scope, scope)
     else:
         destination = _domain_of_cell(s.domain.span, cell)
-    header = use.streams.header(s.domain.span)
+    header = streams.header(s.domain.span)
     if is_member(who, "mover"):  # movers of each name are placed by themselves
         header = f"{header} of {who.sort.name}"
     return ir.Send(
@@ -171,9 +171,9 @@ def send(s: ast.Send, scope: Scope, use: PhaseUse) -> ir.Stmt:
         after=after,
         **facing,
         stay=s.stay is not None,
-        pool=use.pools.setdefault(header, len(use.pools)),
-        cell_stream=use.streams.shared("send to", header),
-        heading_stream=use.streams.shared("heading of those sent to", header),
+        pool=streams.pools.setdefault(header, len(streams.pools)),
+        cell_stream=streams.shared("send to", header),
+        heading_stream=streams.shared("heading of those sent to", header),
         origin=s.span,
     )
 
@@ -231,7 +231,7 @@ def _one_cell(d: ast.Domain | ast.Path, scope: Scope) -> ir.Expr | None:
     return cell
 
 
-def shift(s: ast.Shift, scope: Scope, use: PhaseUse) -> ir.Stmt:
+def shift(s: ast.Shift, scope: Scope, streams: Streams) -> ir.Stmt:
     """Returns `send x by n DIRECTION`."""
     who = body(s.who, scope)
     check_placed(who, s.span, "send … by", scope)
@@ -240,7 +240,7 @@ def shift(s: ast.Shift, scope: Scope, use: PhaseUse) -> ir.Stmt:
     _check_stay(s.stay, "who cannot go there", scope)
     if s.stay is None:
         raise scope.fail(errors.NoWayFree(s.span))
-    stream = use.streams.of_statement(use.streams.header(s.span))
+    stream = streams.of_line(s.span)
     wanted = "a number of cells"
     steps = scope.not_negative(s.steps, ("cells", "count"), wanted, "the number of cells")
     most = steps.type.high

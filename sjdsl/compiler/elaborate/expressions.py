@@ -165,7 +165,7 @@ def identity(e: ast.Binary, scope: Scope) -> ir.Expr:
     except Poisoned:
         read_beside(e.right, scope)
         raise
-    if left.type.kind == "word" and not left.type.indexed_by:
+    if left.type.is_single("word"):
         check_known_word(e.right, left, left.type.words, scope)
     right = scope.expression(e.right)
     for tree, side in ((e.left, left), (e.right, right)):
@@ -338,7 +338,7 @@ def total(e: ast.Total, scope: Scope) -> ir.Expr:
     most = most_members(built, scope.static)
     low = times(min(value.type.low, 0), most)
     high = times(max(value.type.high, 0), most)
-    type_ = beyond_one(value.type.model_copy(update={"low": low, "high": high}))
+    type_ = beyond_one(value.type.changed(low=low, high=high))
     return ir.Sum(type=type_, value=value, domain=built, origin=e.span)
 
 

@@ -85,7 +85,7 @@ def one_field(declared: ast.Field | ast.Timer, scope: Scope, held_by: ir.Sort) -
     type_ = field_type(declared.type, scope)
     start = start_value(declared, type_, scope)
     if declared.by is not None:
-        type_ = type_.model_copy(update={"indexed_by": (level_of(declared.by, scope),)})
+        type_ = type_.changed(indexed_by=(level_of(declared.by, scope),))
     capped = False
     if isinstance(declared.type, ast.Range | ast.Reals):
         capped = declared.type.capped
@@ -204,11 +204,8 @@ def starting(tree: ast.Expr, name: str, type_: ir.Type, scope: Scope) -> int | f
         case ir.Word() if type_.kind == "word":
             check_words((value.value,), type_.words, tree.span, name, scope)
             return value.value
-        case ir.Number() if type_.kind == "int":
+        case ir.Number() if type_.kind in ("int", "real"):
             return _starting_number(value, tree, name, type_, scope)
-        case ir.Number() if type_.kind == "real":
-            _check_start(value, nearest(value.value), tree, name, type_, scope)
-            return float(value.value)
     help_ = ""
     if type_.kind in ("agent", "agents", "cell"):
         nobody = "nowhere" if type_.kind == "cell" else "nobody"
@@ -218,20 +215,14 @@ def starting(tree: ast.Expr, name: str, type_: ir.Type, scope: Scope) -> int | f
 
 def _starting_number(
     number: ir.Number, tree: ast.Expr, name: str, type_: ir.Type, scope: Scope
-) -> int:
-    """Returns a whole number in the range of a field."""
-    if number.value != int(number.value):
+) -> int | float:
+    """Returns a starting value in the range of a field; reports any other."""
+    is_whole = type_.kind == "int"
+    if is_whole and number.value != int(number.value):
         help_ = REAL_FIELD.format(name=name)
         raise scope.expected(tree.span, "a whole number", f"{number.value:g}", help_)
-    _check_start(number, number.value, tree, name, type_, scope)
-    return int(number.value)
-
-
-def _check_start(
-    number: ir.Number, value: float, tree: ast.Expr, name: str, type_: ir.Type, scope: Scope
-) -> None:
-    """Reports a starting value outside the range of a field."""
-    if not type_.low <= value <= type_.high:
+    kept = number.value if is_whole else nearest(number.value)
+    if not type_.low <= kept <= type_.high:
         raise scope.fail(
             errors.FieldRange(
                 tree.span,
@@ -243,3 +234,4 @@ def _check_start(
                 help="begin with a number of the range, or widen the range",
             )
         )
+    return int(number.value) if is_whole else float(number.value)

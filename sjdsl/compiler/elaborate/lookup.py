@@ -66,8 +66,7 @@ def kinds_of_cell(e: ir.Expr) -> tuple[str, ...] | None:
     """
     if is_member(e, "cell"):
         return e.kinds
-    is_row = bool(e.type.indexed_by)
-    return e.type.kinds if e.type.kind == "cell" and not is_row else None
+    return e.type.kinds if e.type.is_single("cell") else None
 
 
 def or_nowhere(e: ir.Expr) -> ir.Expr:
@@ -148,7 +147,7 @@ def variable(name: ast.Name, scope: Scope) -> ir.Expr | str:
     bound = scope.variables[name.text]
     if bound is None:
         raise Poisoned
-    return bound if isinstance(bound, str) else bound.model_copy(update={"origin": name.span})
+    return bound if isinstance(bound, str) else bound.changed(origin=name.span)
 
 
 def bound_cell(name: ast.Name, scope: Scope) -> ir.Member | None:
@@ -385,7 +384,9 @@ def _owners_of_field(name: str, static: Static) -> list[str]:
     if name in static.agent_fields or name in AGENT_ATTRIBUTES:
         owners.append("agent")
     owners += [kind for kind, fields in static.kinds.items() if name in fields]
-    owners += [movers for movers in static.movers if name in static.mover_fields(movers)]
+    for movers in static.movers.values():
+        if name in static.fields_of(movers.sort):
+            owners.append(movers.name)
     return owners
 
 

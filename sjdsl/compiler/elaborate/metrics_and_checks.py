@@ -38,7 +38,7 @@ def requires(game: Composition, scope: Scope) -> tuple[ir.Expr, ...]:
     """
 
     def requirement(check: ast.Require) -> ir.Expr:
-        """Returns the condition of a `require`, which reads only what is fixed before an episode."""
+        """Returns the condition of a `require`, which reads only what is fixed at the start."""
         test = _required(check, scope)
         for node in ir.walk(test):
             if isinstance(node, CHANGING):
@@ -180,25 +180,26 @@ def checks(game: Composition, scope: Scope) -> tuple[ir.Check, ...]:
 def _check(check: ast.Check, game: Composition, scope: Scope) -> ir.Check:
     """Returns a typed check."""
     steps = replace(scope, about_steps=True)
+    values: tuple[ir.Expr, ...] = ()
+    words: tuple[str, ...] = ()
+    policies: tuple[ir.Policy, ...] = ()
+    episodes = 0
     match check:
         case ast.Require():
             values = (_required(check, scope),)
-            return ir.Check(kind="require", values=values, origin=check.span)
         case ast.Always():
             values = (steps.condition(check.condition),)
-            return ir.Check(kind="always", values=values, origin=check.span)
         case ast.Once():
-            trigger = steps.condition(check.trigger)
-            condition = steps.condition(check.condition)
-            return ir.Check(kind="once", values=(trigger, condition), origin=check.span)
+            values = (steps.condition(check.trigger), steps.condition(check.condition))
         case ast.Conserved():
             value = scope.expression(check.value)
-            if value.type.indexed_by or value.type.kind not in ("int", "real", "word", "condition"):
+            if not value.type.is_single("int", "real", "word", "condition"):
                 wanted = "one value (a number, a word, a condition)"
                 raise wrong_type(scope, check.value, wanted, value.type)
-            return ir.Check(kind="conserved", values=(value,), origin=check.span)
+            values = (value,)
         case ast.Monotone():
-            return _monotone(check, scope)
+            values = _numbers_of_defines(check, scope)
+            words = (check.direction.text, check.value.text, check.argument.text)
         case ast.Symmetric():
             name = check.what.text
             known = ("agents", *scope.static.movers)
@@ -206,21 +207,23 @@ def _check(check: ast.Check, game: Composition, scope: Scope) -> ir.Check:
                 raise scope.problems.unknown(check.what, known, "the symmetries")
             if name in scope.static.movers:
                 scope.static.refer(check.what, Symbol("name", name))
-            return ir.Check(kind="symmetric", words=(name,), origin=check.span)
+            words = (name,)
         case ast.Expect():
-            test = scope.condition(check.condition)
-            policies = tuple(_policy(p, game, scope) for p in check.policies)
-            return ir.Check(
-                kind="expect",
-                values=(test,),
-                policies=policies,
-                episodes=check.episodes,
-                origin=check.span,
-            )
+            values = (scope.condition(check.condition),)
+            policies = tuple(_policy(policy, game, scope) for policy in check.policies)
+            episodes = check.episodes
+    return ir.Check(
+        kind=type(check).__name__.lower(),  # type: ignore[arg-type]
+        values=values,
+        words=words,
+        policies=policies,
+        episodes=episodes,
+        origin=check.span,
+    )
 
 
-def _monotone(check: ast.Monotone, scope: Scope) -> ir.Check:
-    """Returns a check that one define falls or rises with another."""
+def _numbers_of_defines(check: ast.Monotone, scope: Scope) -> tuple[ir.Expr, ...]:
+    """Returns the two defines of which one falls or rises with the other."""
     values = []
     for name in (check.value, check.argument):
         if name.text not in scope.static.defines:
@@ -236,8 +239,7 @@ def _monotone(check: ast.Monotone, scope: Scope) -> ir.Check:
         values.append(value)
     if check.direction.text not in ("falling", "rising"):
         raise scope.problems.unknown(check.direction, ("falling", "rising"), "the directions")
-    words = (check.direction.text, check.value.text, check.argument.text)
-    return ir.Check(kind="monotone", values=tuple(values), words=words, origin=check.span)
+    return tuple(values)
 
 
 def _policy(policy: ast.Policy, game: Composition, scope: Scope) -> ir.Policy:

@@ -11,7 +11,7 @@ from sjdsl.compiler.elaborate.domains import domain
 from sjdsl.compiler.elaborate.fields import fields_of
 from sjdsl.compiler.elaborate.lookup import is_member
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
-from sjdsl.compiler.elaborate.streams import PhaseUse
+from sjdsl.compiler.elaborate.streams import Streams
 from sjdsl.compiler.elaborate.world_map import POSES, check_glyph
 from sjdsl.compiler.ir.types import words
 from sjdsl.runtime.actions import HEADINGS
@@ -73,11 +73,11 @@ def heading_of(who: ir.Expr, span: Span) -> ir.Expr:
 def check_heading(heading: ir.Expr, tree: ast.Expr, wanted: str, scope: Scope) -> None:
     """Reports a value that isn't a heading. wanted: what the message asks for."""
     type_ = heading.type
-    if type_.kind != "word" or type_.indexed_by or not set(type_.words) <= set(HEADINGS):
+    if not type_.is_single("word") or not set(type_.words) <= set(HEADINGS):
         raise wrong_type(scope, tree, wanted, type_)
 
 
-def move(s: ast.Move, scope: Scope, use: PhaseUse) -> ir.Stmt:
+def move(s: ast.Move, scope: Scope, streams: Streams) -> ir.Stmt:
     """Returns `move each agent`, or `move each MOVER` with a course."""
     members, inner = domain(s.domain, scope)
     name = s.domain.kind.text
@@ -88,7 +88,7 @@ def move(s: ast.Move, scope: Scope, use: PhaseUse) -> ir.Stmt:
     if var.sort.what == "agent" and s.course is not None:
         help_ = "agents choose their direction: write `move each agent`"
         raise scope.expected(s.course.span, "nothing after the agents", "a course", help_)
-    header = use.streams.header(s.span)
+    header = streams.header(s.span)
     course = None
     if var.sort.what == "mover":
         if s.course is None:
@@ -97,9 +97,9 @@ def move(s: ast.Move, scope: Scope, use: PhaseUse) -> ir.Stmt:
                 "or `at random`, `along h`, `toward D`, `away from D`"
             )
             raise scope.expected(s.span, "the course of the movers", "none", help_)
-        course = _course(s.course, var, inner, use.streams.of_statement(f"{header}\nwhich way"))
+        course = _course(s.course, var, inner, streams.of_statement(f"{header}\nwhich way"))
     return ir.Move(
-        domain=members, course=course, stream=use.streams.of_statement(header), origin=s.span
+        domain=members, course=course, stream=streams.of_statement(header), origin=s.span
     )
 
 

@@ -69,7 +69,7 @@ def _seen_by_default(static: Static) -> dict[Key, ir.Observable]:
     seen: dict[Key, ir.Observable] = {}
     for kind, fields in static.kinds.items():
         for field in fields.values():
-            if field.type.kind == "word" and not field.type.indexed_by:
+            if field.type.is_single("word"):
                 seen["cell", kind, field.name] = ir.Observable(
                     what="cell", kind=kind, field=field.name, type=field.type, origin=field.origin
                 )
@@ -151,8 +151,8 @@ def _entries(observable: ir.Observable) -> list[ir.Observable]:
     type_ = element(observable.type)
     level = observable.type.indexed_by[0]
     if observable.labels and level.kind != "word":
-        return [observable.model_copy(update={"type": type_})]
-    return [observable.model_copy(update={"type": type_, "word": entry}) for entry in level.entries]
+        return [observable.changed(type=type_)]
+    return [observable.changed(type=type_, word=entry) for entry in level.entries]
 
 
 def _check_places(what: str, test: ir.Expr, scope: Scope) -> None:
@@ -224,7 +224,7 @@ def _shown(show: ast.Show, target: Seen, field: ir.VarField, scope: Scope) -> ir
         observer = observer.knowing([condition])
     labels = _labels(show, what, observer)
     type_ = field.type
-    if not labels and type_.kind == "agent" and not type_.indexed_by:
+    if not labels and type_.is_single("agent"):
         labels = _agent_labels(target.key, field)
     elif not labels:
         _check_plain(show, what, type_, scope)
@@ -243,8 +243,8 @@ def _shown(show: ast.Show, target: Seen, field: ir.VarField, scope: Scope) -> ir
         return observable
     if what == "cell":
         hidden_when = ir.Not(value=condition, origin=show.span)
-        return observable.model_copy(update={"hidden_when": hidden_when})
-    return observable.model_copy(update={"shown_when": condition})
+        return observable.changed(hidden_when=hidden_when)
+    return observable.changed(shown_when=condition)
 
 
 def _agent_labels(key: Key, field: ir.VarField) -> tuple[ir.Label, ...]:
@@ -355,7 +355,7 @@ def _hide(hide: ast.Hide, seen: dict[Key, ir.Observable], scope: Scope) -> None:
             continue
         if shown.hidden_when is not None:
             test = ir.Logic(fn="or", args=(shown.hidden_when, test), origin=test.origin)
-        seen[target.key] = shown.model_copy(update={"hidden_when": test})
+        seen[target.key] = shown.changed(hidden_when=test)
 
 
 def _is_of_a_plane(hide: ast.Hide, static: Static) -> bool:

@@ -148,7 +148,7 @@ def _computed(what: Literal["own", "world"], tree: ast.Expr, name: ast.Name, sco
         type_ = words(("no", "yes"))
     else:
         low, high = narrowed(value, observer.facts)
-        type_ = value.type.model_copy(update={"low": low, "high": high})
+        type_ = value.type.changed(low=low, high=high)
     held_by = AGENTS if what == "own" else ir.Sort("world")
     field = ir.VarField(name=name.text, held_by=held_by, type=type_)
     return Seen((what, "", name.text), field, value)
@@ -159,7 +159,7 @@ def _of_owner(owner: ast.Name, name: ast.Name, scope: Scope) -> list[Seen]:
     static = scope.static
     head = owner.text
     if head in static.movers and Symbol("field", name.text, head) not in static.broken:
-        fields = static.mover_fields(head)
+        fields = static.fields_of(ir.Sort("mover", (head,)))
         if name.text not in fields:
             raise no_field(name, f"a mover `{head}`", fields, scope.problems)
         static.refer(owner, Symbol("name", head))

@@ -48,7 +48,7 @@ def path(e: ast.Path, scope: Scope) -> ir.Expr:
         else:
             value = member(value, step.name, scope)
         read_so_far = replace(e.span, end=steps[used - 1].span.end)
-        value = value.model_copy(update={"origin": read_so_far})
+        value = value.changed(origin=read_so_far)
         steps = steps[used:]
     return value
 
@@ -82,7 +82,7 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
         static.refer(e.name, Symbol("metric", name))
         type_ = integer(0, inf, "count")
         if name in static.event_levels and e.steps:
-            type_ = type_.model_copy(update={"indexed_by": (static.event_levels[name],)})
+            type_ = type_.changed(indexed_by=(static.event_levels[name],))
         return ir.EventTotal(type=type_, name=name, origin=e.span)
     if static.is_word(name):
         static.refer(e.name, Symbol("word", name))
@@ -101,19 +101,18 @@ def member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     known: tuple[str, ...]
     if is_member(owner, "mover"):  # its heading is a field
         held_by = owner.sort
-        fields = static.mover_fields(held_by.name)
         described = f"a mover `{held_by.name}`"
         known = MOVER_ATTRIBUTES
         types["index"] = integer(0, static.movers[held_by.name].number - 1, "number")
     elif is_agent(owner):
         check_somebody(owner, name.span, scope)
         held_by = AGENTS
-        fields = static.agent_fields
         described = "an agent"
         known = AGENT_ATTRIBUTES
     else:
         wanted = "an agent or a cell before the point"
         raise scope.expected(name.span, wanted, describe(owner.type))
+    fields = static.fields_of(held_by)
     if name.text in fields:
         static.use(name, Symbol("field", name.text, held_by.name))
         return ir.FieldRead(
@@ -195,7 +194,7 @@ def placed(tree: ast.Expr, place: ir.Expr, question: str, scope: Scope) -> ir.Ex
 
     question: the expression that needs the place.
     """
-    if place.type.kind == "cell" and not place.type.indexed_by:
+    if place.type.is_single("cell"):
         check_somewhere(place, tree.span, scope)
         return place
     if isinstance(place, ir.Nobody):
@@ -254,12 +253,12 @@ def index(row: ir.Expr, step: ast.Index, scope: Scope) -> ir.Expr:
         if not isinstance(key, ir.Word | ir.Number):
             raise wrong_type(scope, step.key, "one entry", key.type)
         entry = level.keys[level.place_of(key.value)]  # type: ignore[arg-type]
-        return row.model_copy(update={"word": entry, "type": type_})
+        return row.changed(word=entry, type=type_)
     if key.type.kind == "mix":
         if row.type.kind not in ("int", "real") or not isinstance(row, ir.ParamRef | ir.At):
             wanted = "a word (only tables of numbers are mixed)"
             raise scope.expected(step.key.span, wanted, "a mix")
         keeps_unit = type_.unit in ("reward", "probability", "fraction")
         unit = type_.unit if keeps_unit else "number"
-        type_ = type_.model_copy(update={"kind": "real", "unit": unit})
+        type_ = type_.changed(kind="real", unit=unit)
     return ir.At(type=type_, row=row, key=key, origin=step.span)

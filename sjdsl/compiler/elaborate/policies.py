@@ -4,6 +4,7 @@ policy greedy { seek tree where tree.fruit is ripe }   ->   ScriptedPolicy("gree
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol
@@ -67,26 +68,21 @@ def _rule(rule: ast.Act | ast.Go | ast.Aim, scope: Scope) -> ir.PolicyRule:
     on, test, scope = _guarded(rule.guard, scope)
     if isinstance(rule, ast.Act):
         assert test is not None, rule
-        action, chosen, given = _action(rule.action, scope)
-        return ir.Act(
-            on=on, condition=test, action=action, chosen=chosen, given=given, origin=rule.span
-        )
+        return ir.Act(on=on, condition=test, **_action(rule.action, scope), origin=rule.span)
     goal, _ = domain(rule.domain, scope)
     avoided = None
     if rule.avoided is not None:
         avoided, _ = domain(rule.avoided, scope)
     if isinstance(rule, ast.Go):
         return ir.Go(on=on, condition=test, domain=goal, avoided=avoided, origin=rule.span)
-    action, chosen, given = _action(rule.action, scope)
+    action = _action(rule.action, scope)
     return ir.Aim(
         on=on,
         condition=test,
         shape=shapes.used(rule.shape, scope).name,
         domain=goal,
         avoided=avoided,
-        action=action,
-        chosen=chosen,
-        given=given,
+        **action,
         origin=rule.span,
     )
 
@@ -113,20 +109,20 @@ def _guarded(
     return on, test, scope
 
 
-def _action(action: ast.Chosen, scope: Scope) -> tuple[int, str, tuple[ir.Given, ...]]:
-    """Returns the number of an action, and for one with arguments its name and arguments.
+def _action(action: ast.Chosen, scope: Scope) -> dict[str, Any]:
+    """Returns the fields of a rule that say which action is taken.
 
-    An action with arguments has several numbers, of which this is the first.
+    One with arguments has several numbers, of which `action` is the first.
     """
     name = action.name.text
     declared = declared_action(action, name, scope)
     if declared is None:
-        return scope.static.actions.index(name), "", ()
+        return {"action": scope.static.actions.index(name)}
     number = len(action.arguments or ())
     check_arguments(name, action.span, number, len(declared.arguments), scope)
     given = arguments_given(action, declared, scope)
     check_exists(given, declared, scope)
-    return declared.first, name, given
+    return {"action": declared.first, "chosen": name, "given": given}
 
 
 def scenarios(game: Composition, scope: Scope) -> tuple[ir.Scenario, ...]:

@@ -28,14 +28,14 @@ def sum_of_row(row: ir.Expr, origin: Span | None = None) -> ir.SumRow:
     n = len(row.type.indexed_by[0])
     low = row.type.low * n
     high = row.type.high * n
-    type_ = row.type.model_copy(update={"indexed_by": (), "low": low, "high": high})
+    type_ = row.type.changed(indexed_by=(), low=low, high=high)
     return ir.SumRow(type=beyond_one(type_), row=row, origin=origin)
 
 
 def beyond_one(type_: ir.Type) -> ir.Type:
     """Returns the type of a sum: a sum of fractions or probabilities above 1 is a bare number."""
     if type_.unit in ("fraction", "probability") and type_.high > 1:
-        return type_.model_copy(update={"unit": "number"})
+        return type_.changed(unit="number")
     return type_
 
 
@@ -83,5 +83,5 @@ def shifted(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     if is_number(element(type_)):
         low, high = hull([type_, filler.type])
         kind = "real" if "real" in (type_.kind, filler.type.kind) else "int"
-        type_ = type_.model_copy(update={"low": low, "high": high, "kind": kind})
+        type_ = type_.changed(low=low, high=high, kind=kind)
     return ir.ShiftRow(type=type_, row=row, by=int(by), filler=filler, origin=e.span)

@@ -15,7 +15,7 @@ from sjdsl.compiler.elaborate.lookup import check_arguments
 from sjdsl.compiler.elaborate.possible import STEP
 from sjdsl.compiler.elaborate.scope import Scope
 from sjdsl.compiler.elaborate.statements import block
-from sjdsl.compiler.elaborate.streams import PhaseUse, Streams
+from sjdsl.compiler.elaborate.streams import Streams
 from sjdsl.compiler.ir.names import Names, phase_function
 from sjdsl.compiler.ir.printer import expression_text as text
 from sjdsl.compiler.ir.types import integer
@@ -37,12 +37,7 @@ def start(game: Composition, scope: Scope) -> ir.Phase | None:
     if phase is None:
         scope.problems.add(errors.NoStart(game.span))
         return None
-    with scope.problems.skip_if_broken():
-        _check_moment(phase, scope)
-        check_arguments("start", phase.name.span, len(phase.parameters), 0, scope)
-    typed = _typed_phase(phase, "start", "start", {}, replace(scope, part="start"))
-    _check_before_steps(typed, scope)
-    return typed
+    return _beginning(phase, "start", {}, replace(scope, part="start"))
 
 
 def starting(game: Composition, scope: Scope) -> tuple[ir.Phase, ...]:
@@ -52,16 +47,24 @@ def starting(game: Composition, scope: Scope) -> tuple[ir.Phase, ...]:
     scope = scope.knowing([no_step_yet])
     typed: list[ir.Phase] = []
     for name, phase in game.phases.items():
-        if name == "start" or phase.at is None:
-            continue
-        with scope.problems.skip_if_broken():
-            _check_moment(phase, scope)
-            check_arguments(name, phase.name.span, len(phase.parameters), 0, scope)
-        values = dict.fromkeys(parameter.text for parameter in phase.parameters)
-        function = functions.fresh(phase_function(name))
-        typed.append(_typed_phase(phase, name, function, values, scope))
-        _check_before_steps(typed[-1], scope)
+        if name != "start" and phase.at is not None:
+            unknown_values = dict.fromkeys(parameter.text for parameter in phase.parameters)
+            function = functions.fresh(phase_function(name))
+            typed.append(_beginning(phase, function, unknown_values, scope))
     return tuple(typed)
+
+
+def _beginning(
+    phase: ast.Phase, function: str, values: dict[str, ir.Expr | str | None], scope: Scope
+) -> ir.Phase:
+    """Returns a phase with which an episode begins; it has no parameters."""
+    name = phase.name
+    with scope.problems.skip_if_broken():
+        _check_moment(phase, scope)
+        check_arguments(name.text, name.span, len(phase.parameters), 0, scope)
+    typed = _typed_phase(phase, name.text, function, values, scope)
+    _check_before_steps(typed, scope)
+    return typed
 
 
 def _check_moment(phase: ast.Phase, scope: Scope) -> None:
@@ -205,7 +208,7 @@ def _typed_phase(
         locals={parameter.text: local_symbol(parameter) for parameter in phase.parameters},
         never=scope.static.never_in(f"phase {phase.name.text}"),
     )
-    body = block(phase.block, inner, PhaseUse(Streams(label, scope.static.sources)))
+    body = block(phase.block, inner, Streams(label, scope.static.sources))
     nodes = chain.from_iterable(ir.walk(statement) for statement in body)
     marks = dict.fromkeys(node.shape for node in nodes if isinstance(node, ir.Mark))
     return ir.Phase(label=label, name=function, body=body, marks=tuple(marks), origin=phase.span)

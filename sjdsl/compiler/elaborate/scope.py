@@ -134,9 +134,17 @@ class Static:
         kinds = self.kinds_of(name)
         return None if kinds is None else ir.Sort("cell", kinds)
 
-    def mover_fields(self, movers: str) -> dict[str, ir.VarField]:
-        """Returns the fields of movers by name."""
-        return {field.name: field for field in self.movers[movers].fields}
+    def fields_of(self, owner: ir.Sort) -> dict[str, ir.VarField]:
+        """Returns the fields of agents, movers, cells of the first of some kinds, or the world."""
+        match owner.what:
+            case "agent":
+                return self.agent_fields
+            case "mover":
+                return {field.name: field for field in self.movers[owner.name].fields}
+            case "cell":
+                return self.kinds[owner.names[0]]
+            case "world":
+                return self.fields
 
     def is_word(self, name: str) -> bool:
         return any(name in words for words in self.word_sets)
@@ -226,7 +234,7 @@ class Scope(Record):
     def condition(self, e: ast.Expr) -> ir.Expr:
         """Returns a condition; reports anything else."""
         built = self.expression(e)
-        if built.type.kind != "condition" or built.type.indexed_by:
+        if not built.type.is_single("condition"):
             raise wrong_type(self, e, "a condition", built.type)
         return built
 

@@ -30,7 +30,7 @@ def declared(shape: ast.Shape, scope: Scope) -> ir.Shape:
     if shape.call is not None:
         ref = ast.ShapeRef(shape.call.span, shape.call.name, shape.call.arguments)
         form = built_in(ref, scope)
-        return form.model_copy(update={"name": shape.name.text, "origin": shape.span})
+        return form.changed(name=shape.name.text, origin=shape.span)
     rows = [row.text for row in shape.rows]
     problem = _picture_problem(rows)
     if problem:

@@ -46,7 +46,7 @@ def with_splits(task: ir.Task, game: Composition, scope: Scope) -> ir.Task:
             hold_outs.append(_hold_out(split, task, scope))
     if len(scope.problems.diagnostics) > before:
         return task
-    task = task.model_copy(update={"hold_outs": tuple(hold_outs)})
+    task = task.changed(hold_outs=tuple(hold_outs))
     with scope.problems.skip_if_broken():
         _check_conditions(task, scope)
         training = rows_of_training(task)
@@ -54,7 +54,7 @@ def with_splits(task: ir.Task, game: Composition, scope: Scope) -> ir.Task:
             raise scope.fail(errors.NothingToTrainOn(task.hold_outs[-1].span))
         if game.train_on is not None:
             train_on = _train_on(game.train_on, tasks_with(training, task), scope)
-            task = task.model_copy(update={"train_on": train_on})
+            task = task.changed(train_on=train_on)
     return task
 
 

@@ -21,7 +21,7 @@ from sjdsl.compiler.elaborate.lookup import check_free, no_word, repeated
 from sjdsl.compiler.elaborate.movers import move
 from sjdsl.compiler.elaborate.possible import possible_condition, warn_never
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
-from sjdsl.compiler.elaborate.streams import PhaseUse
+from sjdsl.compiler.elaborate.streams import Streams
 from sjdsl.compiler.ir.equivalence import form
 from sjdsl.compiler.ir.implications import compares, narrowed
 from sjdsl.compiler.ir.printer import expression_text as text
@@ -29,12 +29,12 @@ from sjdsl.compiler.ir.range_arithmetic import Range, rounded, to_float32
 from sjdsl.compiler.ir.types import INTEGER_UNITS, integer, join_units, real, words
 
 
-def block(b: ast.Block, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, ...]:
+def block(b: ast.Block, scope: Scope, streams: Streams) -> tuple[ir.Stmt, ...]:
     """Returns the statements of a block; `let` and `draw` bind to its end."""
     built: list[ir.Stmt] = []
     for statement in b.statements:
         try:
-            typed, scope = stmt(statement, scope, use)
+            typed, scope = stmt(statement, scope, streams)
             built.append(typed)
         except Poisoned:
             if isinstance(statement, ast.Let | ast.Draw):
@@ -42,21 +42,21 @@ def block(b: ast.Block, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, ...]:
     return tuple(built)
 
 
-def stmt(s: ast.Stmt, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
+def stmt(s: ast.Stmt, scope: Scope, streams: Streams) -> tuple[ir.Stmt, Scope]:
     """Returns one statement and the scope after it."""
     match s:
         case ast.Let():
             return let(s, scope)
         case ast.Draw():
-            return draw(s, scope, use)
+            return draw(s, scope, streams)
         case ast.Each() | ast.Pick() | ast.First():
-            return quantifier(s, scope, use), scope
+            return quantifier(s, scope, streams), scope
         case ast.Match():
-            return match_(s, scope, use), scope
+            return match_(s, scope, streams), scope
         case ast.When() | ast.Chance():
-            return branched(s, scope, use), scope
+            return branched(s, scope, streams), scope
         case ast.Set():
-            return set_(s, scope, use), scope
+            return set_(s, scope, streams), scope
         case ast.Add():
             return add(s, scope), scope
         case ast.Give():
@@ -64,13 +64,13 @@ def stmt(s: ast.Stmt, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
         case ast.Tally():
             return tally(s, scope), scope
         case ast.Send():
-            return send(s, scope, use), scope
+            return send(s, scope, streams), scope
         case ast.Shift():
-            return shift(s, scope, use), scope
+            return shift(s, scope, streams), scope
         case ast.Remove():
             return ir.Remove(who=body(s.who, scope), origin=s.span), scope
         case ast.Move():
-            return move(s, scope, use), scope
+            return move(s, scope, streams), scope
         case ast.Mark():
             place = near_shape(s.shape, s.anchor, scope)
             return ir.Mark(shape=place.shape, anchor=place.anchor, origin=s.span), scope
@@ -78,12 +78,6 @@ def stmt(s: ast.Stmt, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
             return ir.End(origin=s.span), scope
         case _:
             assert_never(s)
-
-
-def inside(b: ast.Block, header: str, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, ...]:
-    """Returns a block inside a statement, whose header becomes part of the inner streams' names."""
-    with use.streams.inside(header):
-        return block(b, scope, use)
 
 
 def let(s: ast.Let, scope: Scope) -> tuple[ir.Stmt, Scope]:
@@ -103,10 +97,10 @@ def let(s: ast.Let, scope: Scope) -> tuple[ir.Stmt, Scope]:
     return ir.Let(name=s.name.text, value=value, origin=s.span), inner
 
 
-def draw(s: ast.Draw, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, Scope]:
+def draw(s: ast.Draw, scope: Scope, streams: Streams) -> tuple[ir.Stmt, Scope]:
     """Returns a typed `draw`, and the scope after it."""
     check_free(s.name, scope, chosen=True)
-    stream = use.streams.of_statement(use.streams.header(s.span))
+    stream = streams.of_line(s.span)
     name = s.name.text
     match s.source:
         case ast.Words():
@@ -145,8 +139,8 @@ def _of_row(s: ast.Draw, by: ast.By, one: ir.Draw, scope: Scope) -> ir.Draw:
     if isinstance(by, ast.Words):
         _check_declared(by.names, scope)
     level = level_of(by, scope)
-    type_ = one.type.model_copy(update={"indexed_by": (level,)})
-    drawn = one.model_copy(update={"type": type_, "by": level, "different": s.different})
+    type_ = one.type.changed(indexed_by=(level,))
+    drawn = one.changed(type=type_, by=level, different=s.different)
     if s.different:
         if one.weights:
             raise scope.expected(s.source.span, "values without weights", "a table of weights")
@@ -307,19 +301,19 @@ def _check_sum(weights: Sequence[ir.Expr], span: Span, scope: Scope) -> None:
         raise scope.fail(errors.Weights(span, total="something known only when it runs"))
 
 
-def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) -> ir.Stmt:
+def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, streams: Streams) -> ir.Stmt:
     """Returns a typed `each`, `pick` or `first`."""
-    header = use.streams.header(s.span, s.block)
+    header = streams.header(s.span, s.block)
     number = _number_picked(s, scope) if isinstance(s, ast.Pick) else None
     members, inner = _domain(s.domain, scope)
     if members is None:
-        inside(s.block, header, inner, use)
+        block(s.block, inner, streams.inside(header))
         raise Poisoned
-    stream = use.streams.of_statement(header)
+    stream = streams.of_statement(header)
     if isinstance(s, ast.First) and not isinstance(members.restriction, ir.Near):
         wanted = "`in SHAPE of x` after `first`"
         raise scope.expected(s.domain.span, wanted, "a domain without a shape")
-    body = inside(s.block, header, inner, use)
+    body = block(s.block, inner, streams.inside(header))
     match s:
         case ast.Each():
             return ir.Each(domain=members, body=body, origin=s.span)
@@ -327,7 +321,9 @@ def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, use: PhaseUse) 
             return ir.First(domain=members, body=body, origin=s.span)
         case ast.Pick():
             assert number is not None
-            otherwise = () if s.otherwise is None else other_branch(s.otherwise, header, scope, use)
+            otherwise = (
+                () if s.otherwise is None else other_branch(s.otherwise, header, scope, streams)
+            )
             return ir.Pick(
                 number=number,
                 most=int(min(max(number.type.high, 0), limits.MAX_DRAWN)),
@@ -370,55 +366,54 @@ def _domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain | None, Scope]:
         return None, inner
 
 
-def other_branch(b: ast.Otherwise, header: str, scope: Scope, use: PhaseUse) -> tuple[ir.Stmt, ...]:
+def other_branch(
+    b: ast.Otherwise, header: str, scope: Scope, streams: Streams
+) -> tuple[ir.Stmt, ...]:
     """Returns what happens otherwise: a block, or one more `when` or `chance`."""
-    header = f"{header} otherwise"
-    if isinstance(b, ast.Block):
-        return inside(b, header, scope, use)
-    with use.streams.inside(header):
-        return (branched(b, scope, use),)
+    streams = streams.inside(f"{header} otherwise")
+    return block(b, scope, streams) if isinstance(b, ast.Block) else (branched(b, scope, streams),)
 
 
-def match_(s: ast.Match, scope: Scope, use: PhaseUse) -> ir.Stmt:
+def match_(s: ast.Match, scope: Scope, streams: Streams) -> ir.Stmt:
     """Returns a typed `match`."""
-    header = use.streams.header(s.span, s.block)
-    stream = use.streams.of_statement(header)
+    header = streams.header(s.span, s.block)
+    stream = streams.of_statement(header)
     left, inner = _domain(s.left, scope)
     right, inner = _domain(s.right, inner)
     if left is None or right is None:
-        inside(s.block, header, inner, use)
+        block(s.block, inner, streams.inside(header))
         raise Poisoned
     if s.first and not isinstance(right.restriction, ir.Near):
         wanted = "`in SHAPE of x` after `with first`"
         raise scope.expected(s.right.span, wanted, "a domain without a shape")
-    body = inside(s.block, header, inner, use)
+    body = block(s.block, inner, streams.inside(header))
     return ir.Match(left=left, right=right, first=s.first, body=body, stream=stream, origin=s.span)
 
 
-def branched(s: ast.When | ast.Chance, scope: Scope, use: PhaseUse) -> ir.Stmt:
+def branched(s: ast.When | ast.Chance, scope: Scope, streams: Streams) -> ir.Stmt:
     """Returns `when` or `chance` with all its branches.
 
     A chain of `otherwise when`, or of `otherwise chance`, is one statement.
     """
     trees = _with_following(s)
-    headers = [use.streams.header(tree.span, tree.block) for tree in trees]
-    stream = use.streams.of_statement(headers[0]) if isinstance(s, ast.Chance) else 0
+    headers = [streams.header(tree.span, tree.block) for tree in trees]
+    stream = streams.of_statement(headers[0]) if isinstance(s, ast.Chance) else 0
     branches: list[ir.Branch] = []
     for number, tree in enumerate(trees, 1):
         header = " otherwise ".join(headers[:number])
         try:
-            branch = _branch(tree, header, scope, use)
+            branch = _branch(tree, header, scope, streams)
             branches.append(branch)
             if isinstance(tree, ast.When):
                 scope = scope.knowing([ir.Not(value=branch.test)])
         except Poisoned:
-            inside(tree.block, header, scope.after_unreadable_guard(), use)
+            block(tree.block, scope.after_unreadable_guard(), streams.inside(header))
             if isinstance(tree, ast.When):
                 scope = scope.after_unreadable_guard()
     otherwise: tuple[ir.Stmt, ...] = ()
     if trees[-1].otherwise is not None:
         header = f"{' otherwise '.join(headers)} otherwise"
-        otherwise = other_branch(trees[-1].otherwise, header, scope, use)
+        otherwise = other_branch(trees[-1].otherwise, header, scope, streams)
     if not branches:
         raise Poisoned
     if isinstance(s, ast.When):
@@ -436,7 +431,7 @@ def _with_following(s: ast.When | ast.Chance) -> list[ast.When | ast.Chance]:
     return trees
 
 
-def _branch(s: ast.When | ast.Chance, header: str, scope: Scope, use: PhaseUse) -> ir.Branch:
+def _branch(s: ast.When | ast.Chance, header: str, scope: Scope, streams: Streams) -> ir.Branch:
     """Returns the first branch of a statement."""
     if isinstance(s, ast.When):
         test = possible_condition(s.condition, scope)
@@ -445,7 +440,7 @@ def _branch(s: ast.When | ast.Chance, header: str, scope: Scope, use: PhaseUse) 
         test = probability(s.probability, scope)
         if test.type.high <= 0:
             warn_never(s.probability.span, "its probability is 0", scope)
-    return ir.Branch(test=test, body=inside(s.block, header, scope, use), origin=s.span)
+    return ir.Branch(test=test, body=block(s.block, scope, streams.inside(header)), origin=s.span)
 
 
 def probability(e: ast.Expr, scope: Scope) -> ir.Expr:

@@ -6,9 +6,7 @@ A change to one statement leaves the streams of all others alone.
 import hashlib
 import re
 from collections import Counter
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from sjdsl.compiler import ast
 from sjdsl.compiler.diagnostics.source import Source, Span
@@ -24,12 +22,16 @@ def layout_free(source: Source, start: int, end: int) -> str:
 
 @dataclass
 class Streams:
-    """Hands out stream numbers for one phase use."""
+    """Hands out stream numbers for one use of a phase.
+
+    around: the headers of the statements around. pools: of sends, by destination.
+    """
 
     label: str
     sources: dict[str, Source]
-    around: list[str] = field(default_factory=list)
+    around: tuple[str, ...] = ()
     seen: Counter[str] = field(default_factory=Counter)
+    pools: dict[str, int] = field(default_factory=dict)
 
     def header(self, span: Span, block: ast.Block | None = None) -> str:
         """Returns the text of a statement, up to its block if it has one."""
@@ -42,26 +44,17 @@ class Streams:
         self.seen[full] += 1
         return number(self.label, f"{full}\n{self.seen[full]}")
 
+    def of_line(self, span: Span) -> int:
+        """Returns the stream of a statement without a block."""
+        return self.of_statement(self.header(span))
+
     def shared(self, purpose: str, text: str) -> int:
         """Returns the stream that all statements of this phase use share for one purpose."""
         return number(self.label, f"{purpose}\n{text}")
 
-    @contextmanager
-    def inside(self, header: str) -> Iterator[None]:
-        """Counts the header of a statement among the surroundings of those in its block."""
-        self.around.append(header)
-        try:
-            yield
-        finally:
-            self.around.pop()
-
-
-@dataclass
-class PhaseUse:
-    """The streams of one use of a phase, and its pools of sends by destination."""
-
-    streams: Streams
-    pools: dict[str, int] = field(default_factory=dict)
+    def inside(self, header: str) -> "Streams":
+        """Returns the streams in the block of a statement, whose header joins their names."""
+        return replace(self, around=(*self.around, header))
 
 
 def number(label: str, text: str) -> int:

@@ -37,7 +37,7 @@ def _declared(field: ast.TaskField, scope: Scope) -> ir.VarField:
     type_ = field_type(field.type, scope)
     start = type_.words[0] if type_.kind == "word" else int(type_.low)
     if field.by is not None:
-        type_ = type_.model_copy(update={"indexed_by": (level_of(field.by, scope),)})
+        type_ = type_.changed(indexed_by=(level_of(field.by, scope),))
     name = field.name.text
     if any(isinstance(node, ast.Path) for node in walk(field.type)):
         scope.static.sized.add(field_symbol(name, WORLD.name))
@@ -77,7 +77,7 @@ def _drawn(field: ast.TaskField, streams: Streams, scope: Scope) -> tuple[ir.Dra
     type_ = scope.static.fields[name].type
     low = high = None
     if type_.kind == "int":
-        one = type_.model_copy(update={"indexed_by": ()})
+        one = type_.changed(indexed_by=())
         low = ir.Number(type=one, value=int(one.low))
         high = ir.Number(type=one, value=int(one.high))
     draw = ir.Draw(
@@ -88,7 +88,7 @@ def _drawn(field: ast.TaskField, streams: Streams, scope: Scope) -> tuple[ir.Dra
         words=type_.words,
         by=type_.indexed_by[0] if type_.indexed_by else None,
         different=field.different,
-        stream=streams.of_statement(streams.header(field.span)),
+        stream=streams.of_line(field.span),
         origin=field.span,
     )
     if type_.kind == "int":

@@ -92,18 +92,19 @@ def _kept_of(path: ast.Path, name: ast.Name, scope: Scope) -> list[ir.Kept]:
     head = path.name.text
     kinds = static.kinds_of(head)
     if head == "agent":
-        owners = {AGENTS: static.agent_fields}
+        owners = [AGENTS]
     elif head in static.movers:
-        owners = {ir.Sort("mover", (head,)): static.mover_fields(head)}
+        owners = [ir.Sort("mover", (head,))]
     elif kinds is not None:
-        owners = {ir.Sort("cell", (kind,)): static.kinds[kind] for kind in kinds}
+        owners = [ir.Sort("cell", (kind,)) for kind in kinds]
     else:
         known = ["agent", *static.kinds, *static.groups, *static.movers]
         raise scope.problems.unknown(path.name, known, "what has fields")
     if head != "agent":
         static.refer(path.name, Symbol("name", head))
     kept = []
-    for owner, fields in owners.items():
+    for owner in owners:
+        fields = static.fields_of(owner)
         symbol = Symbol("field", name.text, owner.name)
         if symbol in static.broken:
             raise Poisoned

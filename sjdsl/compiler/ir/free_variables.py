@@ -53,7 +53,7 @@ def renamed(node: N, names: dict[str, str]) -> N:
 
     def rename(inner: Any) -> Any:
         if isinstance(inner, Variable) and inner.name in names:
-            return inner.model_copy(update={"name": names[inner.name]})
+            return inner.changed(name=names[inner.name])
         return inner
 
     return rewrite(node, rename)

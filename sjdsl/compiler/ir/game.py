@@ -23,7 +23,10 @@ class Size(Node):
 
 
 class Param(Node):
-    """Default `value` nested as `type.by`; words for a word parameter. `type.low` .. `type.high` are its limits."""
+    """Default `value` nested as `type.by`; words for a word parameter.
+
+    `type.low` .. `type.high` are its limits.
+    """
 
     name: str
     type: Type
@@ -31,7 +34,10 @@ class Param(Node):
 
 
 class VarField(Node):
-    """A variable of each cell of a kind, each agent, each mover of a sort, or the world. `start`: number, word, or None for nobody."""
+    """A variable of each cell of a kind, each agent, each mover of a sort, or the world.
+
+    `start`: number, word, or None for nobody.
+    """
 
     name: str
     held_by: Annotated[Sort, INSTANCE]
@@ -42,10 +48,12 @@ class VarField(Node):
 
 
 class Block(Node):
-    """`what`: `agents`, a sort of movers or a shape's name. The condition reads the cell (Member `kind`) and `agent` (who moves, or the anchor).
+    """`what`: `agents`, a sort of movers or a shape's name.
 
-    For a sort of movers it reads the mover, by the name of the sort, instead. Of agents that end the lanes of a shape it reads Member
-    `agent`, who stands in the way.
+    The condition reads the cell (Member `kind`) and `agent` (who moves, or the anchor).
+
+    For a sort of movers it reads the mover, by the name of the sort, instead. Of agents that end
+    the lanes of a shape it reads Member `agent`, who stands in the way.
     """
 
     what: str
@@ -68,7 +76,10 @@ class GlyphMeaning(Node):
 
 
 class ActionArgument(Node):
-    """One argument of an action: `count` values, in the order of the agents, the words or the numbers of its type. `name` may be empty."""
+    """One argument of an action. `name` may be empty.
+
+    count: of values, in the order of the agents, the words or the numbers of its type.
+    """
 
     name: str = ""
     type: Type
@@ -76,7 +87,11 @@ class ActionArgument(Node):
 
 
 class ActionWithArguments(Node):
-    """An action with arguments: one action of its own for each choice of values, from number `first`, the last argument varying fastest."""
+    """An action with arguments.
+
+    One action of its own for each choice of values, from number `first`, the last argument varying
+    fastest.
+    """
 
     name: str
     first: int
@@ -91,7 +106,8 @@ class ActionWithArguments(Node):
 class Forbid(Node):
     """`actions` are numbers; the condition reads `agent`.
 
-    `names`: if the actions are those of one action with arguments, `action`, the names (or empty ones) by which the condition reads these.
+    `names`: if the actions are those of one action with arguments, `action`, the names (or empty
+    ones) by which the condition reads these.
     """
 
     actions: tuple[int, ...]
@@ -101,7 +117,11 @@ class Forbid(Node):
 
 
 class Agents(Node):
-    """`actions`: their names by their numbers, `vote(0)` one of them; `with_arguments`: those that have arguments, `vote` one of them."""
+    """The agents: their number, actions and fields, and what they may not do.
+
+    actions: their names by their numbers, `vote(0)` one of them; with_arguments: those that have
+    arguments, `vote` one of them.
+    """
 
     number: int
     actions: tuple[str, ...]
@@ -113,7 +133,10 @@ class Agents(Node):
 
 
 class Movers(Node):
-    """A sort of movers: things that occupy cells and move by rules. `glyph`: in pictures. The first of its fields is `heading`."""
+    """A sort of movers: things that occupy cells and move by rules.
+
+    `glyph`: in pictures. The first of its fields is `heading`.
+    """
 
     name: str
     number: int
@@ -126,9 +149,12 @@ class Movers(Node):
 
 
 class Phase(TurnNode):
-    """One use of a phase. `label` as in the schedule (`sprout(red)`); `name` a Python identifier, unique in the game.
+    """One use of a phase.
 
-    `marks`: the shapes it marks as written. What an observation has in it follows from these: no map and no pass changes it.
+    `label` as in the schedule (`sprout(red)`); `name` a Python identifier, unique in the game.
+
+    `marks`: the shapes it marks as written. What an observation has in it follows from these: no
+    map and no pass changes it.
     """
 
     label: str
@@ -163,17 +189,21 @@ class Label(Node):
 
 
 class Observable(Node):
-    """Something seen. `what`: `cell` (field of `kind` at each cell), `own`, `other`, `everyone`, `world` (fields), `heading` (others').
+    """Something seen.
 
-    `mover`: the movers of the sort `kind` at each cell, whether there is one (no field) or a field of it; `heading` relative to the observer's.
-
-    A `cell` without a field is the whole look of the kind: its labels are looks, those of other kinds by their names.
-    `everyone`: the field of each agent, one plane an agent in the order of their numbers, the same in the whole window.
-    `word`: one entry of a `by` field. `labels`: replaces the field's words. `hidden_when`: condition over `agent` (the
-    observer) and the kind's cell or `other`; hidden shows as the kind alone, or 0 for a number. `shown_when`: where it does
-    not hold, a word is `hidden`, a number 0.
-    `value`: what is shown in place of a field of the world or of the observer, `step` or a define, by the name `field`.
-    A field of agents may be an attribute (`row`, `heading`).
+    what: `cell` (field of `kind` at each cell), `own`, `other`, `everyone`, `world` (fields),
+      `heading` (others'), or `mover`: the movers of the sort `kind` at each cell, whether there is
+      one (no field) or a field of it; `heading` relative to the observer's.
+    field: of agents, it may be an attribute (`row`, `heading`). A `cell` without a field is the
+      whole look of the kind: its labels are looks, those of other kinds by their names. Of
+      `everyone`, there is one plane an agent in the order of their numbers, the same in the whole
+      window.
+    word: one entry of a `by` field. labels: replaces the field's words.
+    hidden_when: condition over `agent` (the observer) and the kind's cell or `other`; hidden shows
+      as the kind alone, or 0 for a number. shown_when: where it does not hold, a word is `hidden`,
+      a number 0.
+    value: what is shown in place of a field of the world or of the observer, `step` or a define, by
+      the name `field`.
     """
 
     what: Literal["cell", "own", "other", "mover", "everyone", "world", "heading"]
@@ -205,16 +235,22 @@ class Observable(Node):
 
 
 class Paint(Node):
-    """`colour`: a name of `looks.COLOURS` or `#rrggbb`; `sprite`: one of `looks.SPRITES`; empty for one that is not said."""
+    """How something is drawn; a part that is not said is empty.
+
+    colour: a name of `looks.COLOURS` or `#rrggbb`; sprite: one of `looks.SPRITES`.
+    """
 
     colour: str = ""
     sprite: str = ""
 
 
 class Look(Node):
-    """How cells of some kinds, the agents, or the movers of a sort are drawn where the condition over Member `name` holds; no rule reads it.
+    """How cells of some kinds, the agents, or movers are drawn; no rule reads it.
 
-    `kinds`: of cells, or the one sort of movers. `body`: the cell, agent or mover itself; `badge`: a small sprite in its corner.
+    It applies where the condition over Member `name` holds.
+
+    `kinds`: of cells, or the one sort of movers. `body`: the cell, agent or mover itself; `badge`:
+    a small sprite in its corner.
     """
 
     what: Literal["cell", "agent", "mover"]
@@ -228,7 +264,8 @@ class Look(Node):
 class Hidden(Node):
     """What is not seen of some cells: their marks, what they are (then they look `covered`).
 
-    `on`: on the whole map, on cells of `kinds` (while `when` holds of agent, the observer, and the cell `name`), or where an agent stands.
+    `on`: on the whole map, on cells of `kinds` (while `when` holds of agent, the observer, and the
+    cell `name`), or where an agent stands.
     """
 
     what: Literal["marks", "content"]
@@ -239,7 +276,10 @@ class Hidden(Node):
 
 
 class View(Node):
-    """The window of the agents for whom the condition over Member `agent` holds; the last of a game has none."""
+    """The window of the agents for whom the condition over Member `agent` holds.
+
+    The last of a game has none.
+    """
 
     ahead: int
     behind: int
@@ -249,7 +289,11 @@ class View(Node):
 
 
 class Window(Node):
-    """What an observation covers. `views`: if not all see so far, their windows; the first whose condition holds is an agent's own."""
+    """What an observation covers.
+
+    `views`: if not all see so far, their windows; the first whose condition holds is an agent's
+    own.
+    """
 
     ahead: int
     behind: int
@@ -269,7 +313,11 @@ class Check(Node):
 
 
 class Policy(Node):
-    """Of `expect`: `random`; `never` the action numbers; `seek` the nearest member of the domain; or `scripted`, the one of that name."""
+    """A policy of an `expect`.
+
+    It is `random`, `never` the action numbers, `seek` the nearest member of the domain, or
+    `scripted`, the one of that name.
+    """
 
     name: Literal["random", "never", "seek", "scripted"]
     actions: tuple[int, ...] = ()
@@ -280,8 +328,9 @@ class Policy(Node):
 class Act(PolicyRuleNode):
     """Take an action, by its number, where the condition over Member `agent`, who acts, holds.
 
-    `on`: only on a cell of these kinds, which the rest of the rule knows by this name.
-    `given`: of the action with arguments `chosen`, whose first number `action` is; its values are surely those of the argument.
+    `on`: only on a cell of these kinds, which the rest of the rule knows by this name. `given`: of
+    the action with arguments `chosen`, whose first number `action` is; its values are surely those
+    of the argument.
     """
 
     on: Member | None = None
@@ -292,7 +341,10 @@ class Act(PolicyRuleNode):
 
 
 class Go(PolicyRuleNode):
-    """Walk to the nearest member of the domain, through none of those avoided; both may speak of `agent`. `on`, `condition`: as of Act."""
+    """Walk to the nearest member of the domain, through none of those avoided.
+
+    Both may speak of `agent`. `on`, `condition`: as of Act.
+    """
 
     on: Member | None = None
     condition: Expr | None = None
@@ -301,7 +353,10 @@ class Go(PolicyRuleNode):
 
 
 class Aim(PolicyRuleNode):
-    """Walk and turn until a member of the domain is in the shape, then take an action, as `Act` does. `shape` names one of the game's or its policies'."""
+    """Walk and turn until a member of the domain is in the shape, then take an action as `Act` does.
+
+    shape: names one of the game's or its policies'.
+    """
 
     on: Member | None = None
     condition: Expr | None = None
@@ -322,7 +377,10 @@ class ScriptedPolicy(Node):
 
 
 class Slots(Node):
-    """So many agents of a scenario, and their policy: `random`, `stay` or one of the game's; empty for those that are evaluated."""
+    """So many agents of a scenario, and their policy.
+
+    `random`, `stay` or one of the game's; empty for those that are evaluated.
+    """
 
     number: int
     policy: str = ""
@@ -425,7 +483,10 @@ class Task(Node):
 class Game(Node):
     """A whole game, one variant of it: what the interpreter runs and the lowering reads.
 
-    `episode`: the steps of a trial, or of the episode in a game without trials. `chosen`: the variants applied, of all its `variants`. `starting`: the phases that follow `start` when a trial or an episode begins. `policy_shapes`: those that its policies speak of and no rule does. `edges`: of the map; those that are joined make it a torus.
+    `episode`: the steps of a trial, or of the episode in a game without trials. `chosen`: the
+    variants applied, of all its `variants`. `starting`: the phases that follow `start` when a trial
+    or an episode begins. `policy_shapes`: those that its policies speak of and no rule does.
+    `edges`: of the map; those that are joined make it a torus.
     """
 
     name: str
@@ -469,8 +530,5 @@ class Game(Node):
     @property
     def rules(self) -> "Game":
         """The game without the parts that no rule reads."""
-        return self.model_copy(
-            update=dict.fromkeys(
-                ("cites", "about", "chosen", "looks", "policies", "policy_shapes", "scenarios"), ()
-            )
-        )
+        beside = ("cites", "about", "chosen", "looks", "policies", "policy_shapes", "scenarios")
+        return self.changed(**dict.fromkeys(beside, ()))

@@ -51,7 +51,7 @@ def conjuncts(condition: ir.Expr, holds: bool = True) -> Iterator[ir.Expr]:
 
 def _opposite(comparison: ir.Compare) -> ir.Compare:
     """Returns the comparison that holds where this one doesn't, of numbers."""
-    return comparison.model_copy(update={"fn": COMPARISONS[comparison.fn].opposite})
+    return comparison.changed(fn=COMPARISONS[comparison.fn].opposite)
 
 
 def without_nan(condition: ir.Expr) -> ir.Expr:
@@ -130,7 +130,7 @@ def _arguments_known(condition: ir.Expr) -> Iterator[ir.Expr]:
     """
     if not isinstance(condition, ir.ChoseWith) or not condition.given:
         return
-    yield condition.model_copy(update={"given": ()})
+    yield condition.changed(given=())
     for number, given in enumerate(condition.given):
         argument = ir.ArgumentOf(
             type=given.type,
@@ -170,7 +170,7 @@ def _directed(condition: ir.Expr, names: Names = NONE) -> Form:
             "left": condition.right,
             "right": condition.left,
         }
-        condition = condition.model_copy(update=mirrored)
+        condition = condition.changed(**mirrored)
     return form(condition, names)
 
 
@@ -343,7 +343,7 @@ def limits_of(fn: str, subject: ir.Expr, other: Interval, exact: bool = True) ->
 
 def narrow_word(e: ir.Expr, known: Iterable[Fact]) -> ir.Expr:
     """Returns a word without the words that the facts about that very expression exclude."""
-    if e.type.kind != "word" or e.type.indexed_by or isinstance(e, ir.Word):
+    if not e.type.is_single("word") or isinstance(e, ir.Word):
         return e
     subject = form(e)
     possible = frozenset(e.type.words)

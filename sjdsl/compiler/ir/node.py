@@ -1,6 +1,6 @@
 """The base classes of IR nodes: frozen, equal by content; and types."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field
 from pydantic_core import CoreSchema, core_schema
@@ -29,12 +29,22 @@ class InstanceCheck:
 INSTANCE = InstanceCheck()
 
 
-class Node(BaseModel, TreeNode["Node"]):
+class Model(BaseModel):
+    """Something frozen, equal by content."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    def changed(self, **changes: Any) -> Self:
+        """Returns this with some fields changed; their new values aren't checked."""
+        return self.model_copy(update=changes)
+
+
+class Node(Model, TreeNode["Node"]):
     """A frozen part of the IR. `origin` is where the author wrote it."""
 
     # Pydantic builds what checks a node's fields when the first one is made: no game has nodes of
     # all classes.
-    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+    model_config = ConfigDict(defer_build=True)
     origin: Annotated[Span, INSTANCE] | None = Field(default=None, repr=False)
 
     @property
@@ -68,7 +78,7 @@ class PolicyRuleNode(Node):
     """One rule of a scripted policy."""
 
 
-class Type(BaseModel):
+class Type(Model):
     """What values an expression has.
 
     kind: `word` (one of `words`), `int` and `real` (`unit`, `low` .. `high`), `condition`, `agent`
@@ -77,7 +87,6 @@ class Type(BaseModel):
     indexed_by: the levels of a row or table, outermost first; empty for a single value.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
     kind: Literal["word", "int", "real", "condition", "agent", "agents", "cell", "mix", "member"]
     words: tuple[str, ...] = ()
     kinds: tuple[str, ...] = ()
@@ -85,6 +94,10 @@ class Type(BaseModel):
     low: float = float("-inf")
     high: float = float("inf")
     indexed_by: tuple[Annotated[Level, INSTANCE], ...] = ()
+
+    def is_single(self, *kinds: str) -> bool:
+        """Returns whether values are single ones, and of one of these kinds."""
+        return self.kind in kinds and not self.indexed_by
 
 
 CONDITION = Type(kind="condition")

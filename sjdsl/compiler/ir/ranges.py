@@ -66,7 +66,7 @@ class FloatRanges(Analysis[Range]):
                 computed = replace(range_of_type(e.type), sound=False)
                 return self.variables.get(e.name, computed)
             case _ if is_number_of_cells(e):
-                return range_of_type(e.type.model_copy(update={"low": e.type.high}))
+                return range_of_type(e.type.changed(low=e.type.high))
             case ir.EventTotal():
                 return any_number(e.type.kind == "int")
             case _ if e.type.kind in ("int", "real"):

@@ -14,7 +14,7 @@ from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.tree import children
 from sjdsl.compiler.ir.expressions import At, Expr, FieldRead, Number, Word
 from sjdsl.compiler.ir.fold import UnknownValue, fold
-from sjdsl.compiler.ir.game import GivenPart, HoldOut, Task, TaskPart
+from sjdsl.compiler.ir.game import HoldOut, Task, TaskPart
 from sjdsl.compiler.ir.node import Node
 from sjdsl.compiler.ir.statements import Draw
 from sjdsl.compiler.ir.values import Evaluation
@@ -103,23 +103,29 @@ def _read(e: Node) -> Iterator[TaskPart]:
 
 def rows_of_training(task: Task) -> SideRows:
     """Returns the tasks for which the condition of no `hold out` holds."""
-    conditions = tuple(hold_out.condition for hold_out in task.hold_outs)
-    parts = parts_read(task, conditions)
-    return SideRows(parts, tuple(_rows(task, parts, conditions, some_holds=False)))
+    parts, rows = _side(task, task.hold_outs, some_holds=False)
+    return SideRows(parts, tuple(rows))
 
 
 def rows_of_hold_out(task: Task, hold_out: HoldOut) -> SideRows:
     """Returns the tasks for which the condition of a `hold out` holds."""
-    conditions = (hold_out.condition,)
-    parts = parts_read(task, conditions)
-    return SideRows(parts, tuple(_rows(task, parts, conditions, some_holds=True)))
+    parts, rows = _side(task, (hold_out,), some_holds=True)
+    return SideRows(parts, tuple(rows))
 
 
 def holds_out_any(task: Task, hold_out: HoldOut) -> bool:
     """Returns whether the condition of a `hold out` holds for a task; lists no more than one."""
-    conditions = (hold_out.condition,)
+    _, rows = _side(task, (hold_out,), some_holds=True)
+    return next(rows, None) is not None
+
+
+def _side(
+    task: Task, hold_outs: Sequence[HoldOut], some_holds: bool
+) -> tuple[tuple[TaskPart, ...], Iterator[Row]]:
+    """Returns the parts that conditions read, and their rows for which some holds, or none."""
+    conditions = tuple(hold_out.condition for hold_out in hold_outs)
     parts = parts_read(task, conditions)
-    return next(_rows(task, parts, conditions, some_holds=True), None) is not None
+    return parts, _rows(task, parts, conditions, some_holds)
 
 
 def rows_of_side(task: Task) -> SideRows:
@@ -180,10 +186,3 @@ def _all_rows(task: Task, parts: Sequence[TaskPart]) -> Iterator[Row]:
         of_fields.append(several if drawn.different else product(values, repeat=number))
     for rows in product(*of_fields):
         yield tuple(value for row in rows for value in row)
-
-
-__all__ = [
-    "GivenPart", "Part", "Row", "SideRows", "all_parts", "drawn_field", "drawn_fields",
-    "holds_out_any", "number_of_ways", "part_name", "parts_of", "parts_read", "rows_of_hold_out",
-    "rows_of_side", "rows_of_training", "tasks_with", "values_of",
-]  # fmt: skip

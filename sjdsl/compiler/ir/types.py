@@ -35,12 +35,12 @@ def words(names: tuple[str, ...]) -> ir.Type:
 
 def element(row: ir.Type) -> ir.Type:
     """Returns the type of one entry of a row or table."""
-    return row.model_copy(update={"indexed_by": row.indexed_by[1:]})
+    return row.changed(indexed_by=row.indexed_by[1:])
 
 
 def is_number(type_: ir.Type) -> bool:
     """Returns whether values are single numbers."""
-    return type_.kind in ("int", "real") and not type_.indexed_by
+    return type_.is_single("int", "real")
 
 
 def has_limits(type_: ir.Type) -> bool:
@@ -127,7 +127,7 @@ def without_zero(divisor: ir.Type) -> ir.Type:
         return divisor
     low = 1 if divisor.low == 0 else divisor.low
     high = -1 if divisor.high == 0 else divisor.high
-    return divisor.model_copy(update={"low": low, "high": high}) if low <= high else divisor
+    return divisor.changed(low=low, high=high) if low <= high else divisor
 
 
 def times(x: float, y: float) -> float:

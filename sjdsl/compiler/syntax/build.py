@@ -18,7 +18,7 @@ from sjdsl.compiler.diagnostics.limits import (
     too_much,
 )
 from sjdsl.compiler.diagnostics.source import Source, Span
-from sjdsl.compiler.syntax.rules import AS_WRITTEN, RULES, Part, unquote
+from sjdsl.compiler.syntax.rules import AS_WRITTEN, RULES, unquote
 
 
 def build_file(root: Tree[Token], source: Source) -> ast.File:
@@ -42,7 +42,6 @@ def build_file(root: Tree[Token], source: Source) -> ast.File:
         children = [
             values[id(child)] if isinstance(child, Tree) else _leaf(child, source)
             for child in tree.children
-            if child is not None  # an optional part that is not there
         ]
         heights[id(tree)] = height
         values[id(tree)] = _node(tree, children, source)
@@ -73,19 +72,22 @@ def _levels(tree: Tree[Token]) -> int:
 
 
 def _node(tree: Tree[Token], children: list[Any], source: Source) -> Any:
-    """Returns the node of a tree, or for a clause the part that the node around it takes."""
+    """Returns the node of a tree, or the content of a clause: True if it has none."""
     name = str(tree.data)
     if name in RULES:
         meta = tree.meta
         span = Span(source.name, meta.start_pos, meta.end_pos, meta.line, meta.column)
         return RULES[name](span, *children)
-    if name == "names":
-        return Part(name, tuple(children))
-    return Part(name, children[0] if children else None)
+    return children[0] if children else True
 
 
-def _leaf(token: Token, source: Source) -> ast.Name | ast.String | str:
-    """Returns the part of a node that a token is: a text, a name, or the token as written."""
+def _leaf(token: Token | None, source: Source) -> ast.Name | ast.String | str | None:
+    """Returns the part of a node that a token is: a text, a name, or the token as written.
+
+    None for an optional part that isn't there.
+    """
+    if token is None:
+        return None
     text = str(token)
     if token.type in AS_WRITTEN:
         return text

@@ -20,17 +20,10 @@ from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic, Fix,
 from sjdsl.compiler.diagnostics.limits import MAX_PROBLEMS, check_text
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.build import build_file
-from sjdsl.compiler.syntax.recovery.automaton import (
-    END,
-    Automaton,
-    Stack,
-    make_automaton,
-    open_marks,
-    read,
-)
+from sjdsl.compiler.syntax.recovery.automaton import END, Automaton, Stack, make_automaton
 from sjdsl.compiler.syntax.recovery.messages import word_error
 from sjdsl.compiler.syntax.recovery.repair import ENOUGH, Repair, Trouble, find_repair
-from sjdsl.compiler.syntax.soft_words import SOFT, as_name, as_names, can_come
+from sjdsl.compiler.syntax.soft_words import SOFT, as_name, as_names
 from sjdsl.compiler.syntax.tokens import Scan, scan
 
 HERE = Path(__file__).parent
@@ -168,12 +161,11 @@ class Search:
 
 def _find_errors(scanned: Scan, has_version: bool) -> list[Diagnostic]:
     """Runs the table over the tokens, past a repair of each error."""
-    table = automaton()
     at = 0
-    stack = Stack(table.start, None)
+    stack = automaton().stack()
     if not has_version:  # as if the version line were there
         for kind in ("SJ", "INT"):
-            stack = read(table, stack, kind) or stack
+            stack = stack.read(kind) or stack
     tokens = scanned.tokens
     kinds = [token.type for token in tokens] + [END]
     texts = [str(token) for token in tokens] + [""]
@@ -183,9 +175,9 @@ def _find_errors(scanned: Scan, has_version: bool) -> list[Diagnostic]:
     repairs = 0
     while repairs < MAX_PROBLEMS:
         if kinds[at] in SOFT:
-            tokens[at] = as_name(table, stack, tokens[at])
+            tokens[at] = as_name(stack, tokens[at])
             kinds[at] = tokens[at].type
-        after = read(table, stack, kinds[at], at)
+        after = stack.read(kinds[at], at)
         if after is not None:
             if kinds[at] == END:
                 break
@@ -193,9 +185,9 @@ def _find_errors(scanned: Scan, has_version: bool) -> list[Diagnostic]:
             stack = after
             at += 1
             continue
-        trouble = Trouble(table, kinds, texts, closing, stack, before, at)
+        trouble = Trouble(scanned.source, tokens, kinds, texts, closing, stack, before, at)
         repair = find_repair(trouble)
-        _report(search, trouble, repair, scanned)
+        _report(search, trouble, repair)
         if repair is None:
             break
         before = None
@@ -205,7 +197,7 @@ def _find_errors(scanned: Scan, has_version: bool) -> list[Diagnostic]:
     return list(search.problems.values())
 
 
-def _report(search: Search, trouble: Trouble, repair: Repair | None, scanned: Scan) -> None:
+def _report(search: Search, trouble: Trouble, repair: Repair | None) -> None:
     """Adds an error, unless it follows from one before."""
     change = 0  # of the number of open braces
     follows = False
@@ -218,7 +210,7 @@ def _report(search: Search, trouble: Trouble, repair: Repair | None, scanned: Sc
     if is_worse or follows:
         search.owed += change
     if trouble.at >= search.quiet and not follows:
-        _add(search, word_error(trouble, repair, scanned.tokens, scanned.source))
+        _add(search, word_error(trouble, repair))
     search.quiet = 0 if repair is None or repair.is_sure else repair.resume + ENOUGH
 
 
@@ -227,7 +219,7 @@ def _closes_repaired_bracket(repair: Repair, trouble: Trouble) -> bool:
     opening = {"RPAR": "LPAR", "RSQB": "LSQB"}.get(repair.kind)
     if opening is None or repair.sort not in ("insert", "replace"):
         return False
-    opened = open_marks(trouble.automaton, trouble.stack, opening, repair.kind)
+    opened = trouble.stack.open_marks(opening, repair.kind)
     return opened[:1] == [-1]
 
 
@@ -263,13 +255,11 @@ def tree_of(tokens: list[Token]) -> tuple[list[Token], Tree[Token]]:
     Soft words are names where only a name can come.
     """
     reader = parser().parse_interactive("")
-    state = reader.parser_state
-    states = state.parse_conf.parse_table.states
     resolved: list[Token] = []
     for token in tokens:
-        if token.type in SOFT and not can_come(states, state.state_stack, token.type):
-            if can_come(states, state.state_stack, "NAME"):
-                token = Token.new_borrow_pos("NAME", token, token)
+        if token.type in SOFT:
+            _, *states = reader.parser_state.state_stack
+            token = as_name(automaton().stack(states), token)
         reader.feed_token(token)
         resolved.append(token)
     tree: Tree[Token] = reader.feed_eof(tokens[-1])

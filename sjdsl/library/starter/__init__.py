@@ -6,7 +6,7 @@ from importlib.resources import files
 from pathlib import Path, PurePosixPath
 
 from sjdsl.compiler import ast
-from sjdsl.compiler.compose import chain
+from sjdsl.compiler.compose import bases
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.tree import walk
@@ -51,7 +51,7 @@ def copied_files(game: Path, name: str) -> dict[str, str]:
     texts = {f"{name}.sj": source.text[: span.start] + name + source.text[span.end :]}
     problems = Problems()
     copy = PurePosixPath(f"{name}.sj")
-    for base, file in chain(source):
+    for base, file in bases(source):
         texts.setdefault(str(copy), base.text)
         for node in walk(file):
             if isinstance(node, ast.Map) and node.file is not None:

@@ -1,6 +1,6 @@
 """The parser's LALR table, run on kinds of tokens: what may come next, what is still open."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from lark import Lark
@@ -8,17 +8,6 @@ from lark import Lark
 from sjdsl.compiler.diagnostics.frozen import Record
 
 END = "$END"
-
-
-class Stack(Record, eq=False):
-    """What has been read so far: a state of the table upon the stack below.
-
-    token: the number of the token it ends with.
-    """
-
-    state: int
-    below: "Stack | None"
-    token: int = -1
 
 
 class Automaton(Record, eq=False):
@@ -35,6 +24,13 @@ class Automaton(Record, eq=False):
     after: Mapping[str, frozenset[int]]
     words: Mapping[str, str]
     soft: frozenset[str]
+
+    def stack(self, states: Iterable[int] = ()) -> "Stack":
+        """Returns the stack with these states above the first one, outermost first."""
+        stack = Stack(self, self.start, None, -1)
+        for state in states:
+            stack = Stack(self, state, stack, -1)
+        return stack
 
 
 def make_automaton(parser: Lark, soft: frozenset[str]) -> Automaton:
@@ -56,93 +52,99 @@ def make_automaton(parser: Lark, soft: frozenset[str]) -> Automaton:
     )
 
 
-def read(automaton: Automaton, stack: Stack, kind: str, token: int = -1) -> Stack | None:
-    """Returns the stack after one token; None if it cannot come here.
+class Stack(Record, eq=False):
+    """What has been read so far: a state of the table upon the stack below.
 
-    A soft word is read as a name where it cannot come as such.
+    token: the number of the token it ends with.
     """
-    after = read_as(automaton, stack, kind, token)
-    if after is None and kind in automaton.soft:
-        return read_as(automaton, stack, "NAME", token)
-    return after
 
+    automaton: Automaton
+    state: int
+    below: "Stack | None"
+    token: int
 
-def read_as(automaton: Automaton, stack: Stack, kind: str, token: int = -1) -> Stack | None:
-    """Returns the stack after one token of just this kind, None if it cannot come here."""
-    states = automaton.states
-    # A word after an expression reduces it a dozen times, each time replacing only the top level:
-    # that is held in variables.
-    state = stack.state
-    below = stack.below
-    last = stack.token
-    while True:
-        _, argument = states[state].get(kind, (None, None))
-        if argument is None:
-            return None
-        if isinstance(argument, int):
-            return Stack(argument, Stack(state, below, last), token)
-        under = Stack(state, below, last) if not argument.expansion else below
-        for _ in argument.expansion[1:]:
+    def read(self, kind: str, token: int = -1) -> "Stack | None":
+        """Returns the stack after one token; None if it cannot come here.
+
+        A soft word is read as a name where it cannot come as such.
+        """
+        after = self.read_as(kind, token)
+        if after is None and kind in self.automaton.soft:
+            return self.read_as("NAME", token)
+        return after
+
+    def read_as(self, kind: str, token: int = -1) -> "Stack | None":
+        """Returns the stack after one token of just this kind, None if it cannot come here."""
+        automaton = self.automaton
+        states = automaton.states
+        # A word after an expression reduces it a dozen times, each time replacing only the top
+        # level: that is held in variables.
+        state = self.state
+        below = self.below
+        last = self.token
+        while True:
+            _, argument = states[state].get(kind, (None, None))
+            if argument is None:
+                return None
+            if isinstance(argument, int):
+                return Stack(automaton, argument, Stack(automaton, state, below, last), token)
+            under = below if argument.expansion else Stack(automaton, state, below, last)
+            for _ in argument.expansion[1:]:
+                assert under is not None
+                under = under.below
             assert under is not None
-            under = under.below
-        assert under is not None
-        reduced = states[under.state][argument.origin.name][1]
-        if kind == END and reduced == automaton.end:
-            return Stack(state, below, last)
-        state = reduced
-        below = under
+            reduced = states[under.state][argument.origin.name][1]
+            if kind == END and reduced == automaton.end:
+                return Stack(automaton, state, below, last)
+            state = reduced
+            below = under
 
+    def accepted(self) -> list[str]:
+        """Returns the kinds of tokens that can come next, in a fixed order; soft words as such."""
+        kinds = sorted(symbol for symbol in self.automaton.states[self.state] if symbol.isupper())
+        return [kind for kind in kinds if self.read_as(kind) is not None]
 
-def accepted(automaton: Automaton, stack: Stack) -> list[str]:
-    """Returns the kinds of tokens that can come next, in a fixed order; soft words as such."""
-    kinds = sorted(symbol for symbol in automaton.states[stack.state] if symbol.isupper())
-    return [kind for kind in kinds if read_as(automaton, stack, kind) is not None]
+    def reach(self, kinds: Sequence[str], start: int, ahead: int) -> int:
+        """Returns how many tokens from `start` on can be read, `ahead` at most.
 
-
-def reach(
-    automaton: Automaton, stack: Stack | None, kinds: Sequence[str], start: int, ahead: int
-) -> int:
-    """Returns how many tokens from `start` on can be read, `ahead` at most.
-
-    The end of the text counts for all of them.
-    """
-    count = 0
-    while stack is not None and count < ahead:
-        kind = kinds[start + count]
-        stack = read(automaton, stack, kind)
-        if stack is not None:
+        The end of the text counts for all of them.
+        """
+        stack = self
+        for count in range(ahead):
+            kind = kinds[start + count]
+            after = stack.read(kind)
+            if after is None:
+                return count
             if kind == END:
-                return ahead
-            count += 1
-    return count
+                break
+            stack = after
+        return ahead
 
+    def levels(self) -> "Iterator[Stack]":
+        """Yields the stack and everything below it, innermost first."""
+        level: Stack | None = self
+        while level is not None:
+            yield level
+            level = level.below
 
-def levels(stack: Stack) -> Iterator[Stack]:
-    """Yields the stack and everything below it, innermost first."""
-    level: Stack | None = stack
-    while level is not None:
-        yield level
-        level = level.below
+    def open_marks(self, opening: str, closing: str) -> list[int]:
+        """Returns the tokens of kind `opening` that have no `closing` yet, innermost first.
 
+        One that a repair put in is -1.
+        """
+        after = self.automaton.after
+        opened: list[int] = []
+        closed = 0
+        for level in self.levels():
+            if level.state in after[closing]:
+                closed += 1
+            elif level.state in after[opening]:
+                if closed:
+                    closed -= 1
+                else:
+                    opened.append(level.token)
+        return opened
 
-def open_marks(automaton: Automaton, stack: Stack, opening: str, closing: str) -> list[int]:
-    """Returns the tokens of kind `opening` that have no `closing` yet, innermost first.
-
-    One that a repair put in is -1.
-    """
-    opened: list[int] = []
-    closed = 0
-    for level in levels(stack):
-        if level.state in automaton.after[closing]:
-            closed += 1
-        elif level.state in automaton.after[opening]:
-            if closed:
-                closed -= 1
-            else:
-                opened.append(level.token)
-    return opened
-
-
-def open_braces(automaton: Automaton, stack: Stack) -> list[int]:
-    """Returns the `{` that are open, innermost first."""
-    return open_marks(automaton, stack, "LBRACE", "RBRACE")
+    def open_braces(self) -> list[int]:
+        """Returns the `{` that are open, innermost first."""
+        return self.open_marks("LBRACE", "RBRACE")

@@ -10,7 +10,7 @@ from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Fix, Label
 from sjdsl.compiler.diagnostics.slips import slip
 from sjdsl.compiler.diagnostics.source import Source, Span
-from sjdsl.compiler.syntax.recovery.automaton import END, accepted, open_braces, open_marks
+from sjdsl.compiler.syntax.recovery.automaton import END
 from sjdsl.compiler.syntax.recovery.repair import (
     COMMITTED,
     SECTIONS,
@@ -46,22 +46,20 @@ GROUPS = (
 LONGEST = 7  # things named as expected
 
 
-def word_error(
-    trouble: Trouble, repair: Repair | None, tokens: Sequence[Token], source: Source
-) -> Diagnostic:
+def word_error(trouble: Trouble, repair: Repair | None) -> Diagnostic:
     """Returns the diagnostic of one syntax error, as the repair explains it best."""
     if repair is None:
-        return _unexpected(trouble, repair, tokens, source)
+        return _unexpected(trouble, repair)
     if repair.place < trouble.at and trouble.before is not None:
         trouble = replace(trouble, stack=trouble.before, before=None, at=repair.place)
     if repair.sort == "name":
-        word = str(tokens[repair.place])
-        span = _refused_span(trouble, tokens, source)
-        return errors.ReservedWord(span, word=word, other=_free_name(word, tokens))
+        word = str(trouble.tokens[repair.place])
+        span = _refused_span(trouble)
+        return errors.ReservedWord(span, word=word, other=_free_name(word, trouble.tokens))
     if repair.kind == "RBRACE" and repair.sort in ("close", "insert"):
-        if trouble.unmatched or _is_outdented(trouble, tokens, source):
-            return _open_block(trouble, repair, tokens, source)
-    return _unexpected(trouble, repair, tokens, source)
+        if trouble.unmatched or _is_outdented(trouble):
+            return _open_block(trouble, repair)
+    return _unexpected(trouble, repair)
 
 
 def token_span(token: Token, source: Source) -> Span:
@@ -76,8 +74,10 @@ def _free_name(word: str, tokens: Sequence[Token]) -> str:
     return next(name for name in names if name not in tokens)
 
 
-def _refused_span(trouble: Trouble, tokens: Sequence[Token], source: Source) -> Span:
+def _refused_span(trouble: Trouble) -> Span:
     """Returns the span of the refused token; at the end of the file, the place after the last."""
+    tokens = trouble.tokens
+    source = trouble.source
     if trouble.at < len(tokens):
         return token_span(tokens[trouble.at], source)
     return _place_behind(tokens[-1], source) if tokens else source.span(0, 0)
@@ -88,13 +88,13 @@ def _place_behind(token: Token, source: Source) -> Span:
     return source.span(token.end_pos or 0, token.end_pos or 0)
 
 
-def _open_block(
-    trouble: Trouble, repair: Repair, tokens: Sequence[Token], source: Source
-) -> Diagnostic:
+def _open_block(trouble: Trouble, repair: Repair) -> Diagnostic:
     """Returns the diagnostic of a `{` without its `}`, with the likely place of that."""
+    tokens = trouble.tokens
+    source = trouble.source
     opener, closer = _find_unclosed(tokens[: trouble.at], source)
     if opener is None:
-        opener = open_braces(trouble.automaton, trouble.stack)[0]
+        opener = trouble.stack.open_braces()[0]
     help_ = "write `}` where it ends"
     if repair.times > 1:
         help_ = f"{help_}; {repair.times} are missing in all"
@@ -109,7 +109,7 @@ def _open_block(
         span = token_span(tokens[closer], source)
         label = Label(span, "this `}` seems to close a block around it")
     elif trouble.at < len(tokens):
-        span = _refused_span(trouble, tokens, source)
+        span = _refused_span(trouble)
         label = Label(span, f"`{tokens[trouble.at]}` cannot stand inside it")
         fix = Fix(_place_behind(tokens[trouble.at - 1], source), " }" * repair.times)
     else:
@@ -118,12 +118,17 @@ def _open_block(
     return errors.OpenBlock(token_span(tokens[opener], source), help=help_, labels=labels, fix=fix)
 
 
-def _is_outdented(trouble: Trouble, tokens: Sequence[Token], source: Source) -> bool:
+def _is_outdented(trouble: Trouble) -> bool:
     """Returns whether the refused token begins a line no further right than the open block."""
-    opened = open_braces(trouble.automaton, trouble.stack)
-    if not opened or trouble.at == len(tokens) or not _begins_line(tokens[trouble.at], source):
+    tokens = trouble.tokens
+    source = trouble.source
+    opened = trouble.stack.open_braces()
+    if not opened or trouble.at == len(tokens):
         return False
-    return _indent(tokens[trouble.at], source) <= _indent(tokens[opened[0]], source)
+    refused = tokens[trouble.at]
+    if not _begins_line(refused, source):
+        return False
+    return _indent(refused, source) <= _indent(tokens[opened[0]], source)
 
 
 def _find_unclosed(tokens: Sequence[Token], source: Source) -> tuple[int | None, int | None]:
@@ -191,22 +196,22 @@ def _begins_line(token: Token, source: Source) -> bool:
     return not source.text[start : token.start_pos].strip()
 
 
-def _unexpected(
-    trouble: Trouble, repair: Repair | None, tokens: Sequence[Token], source: Source
-) -> Diagnostic:
+def _unexpected(trouble: Trouble, repair: Repair | None) -> Diagnostic:
     """Returns the diagnostic of a token that can't stand where it does."""
-    span = _refused_span(trouble, tokens, source)
-    kinds = accepted(trouble.automaton, trouble.stack)
+    tokens = trouble.tokens
+    source = trouble.source
+    span = _refused_span(trouble)
+    kinds = trouble.stack.accepted()
     expected = expected_text(trouble, kinds)
     fix: Fix | None = None
     labels: tuple[Label, ...] = ()
     hint = statement_slip(trouble, kinds)
     if not hint:
-        writable = can_be_written(trouble.automaton, kinds)
+        writable = can_be_written(trouble, kinds)
         hint, _ = slip(trouble.texts[trouble.at], writable)
     help_ = hint or _help_text(trouble, kinds)
     if repair is not None and repair.alone:
-        word = trouble.automaton.words.get(repair.kind, "")
+        word = trouble.words.get(repair.kind, "")
         is_sign = bool(word) and not word.isalpha()
         match repair.sort:
             case "near":
@@ -229,10 +234,11 @@ def _unexpected(
                 labels = (_one_too_many(tokens[trouble.at - 1], source),)
         if hint and repair.sort != "near":
             fix = None  # the hint is about another change
-    surplus = _find_surplus(tokens[: trouble.at + 1], source) if trouble.unmatched < 0 else None
-    if surplus is not None:
-        labels = (_one_too_many(tokens[surplus], source),)
-    labels = labels or _context_labels(trouble, repair, tokens, source)
+    if trouble.unmatched < 0:
+        surplus = _find_surplus(tokens[: trouble.at + 1], source)
+        if surplus is not None:
+            labels = (_one_too_many(tokens[surplus], source),)
+    labels = labels or _context_labels(trouble, repair)
     actual = "end of the file"
     if trouble.at < len(tokens):
         text = trouble.texts[trouble.at]
@@ -252,7 +258,7 @@ def _help_text(trouble: Trouble, kinds: Sequence[str]) -> str:
     for group, other, help_ in MISPLACED:
         if kind in group and other <= set(kinds):
             return help_
-    words = trouble.automaton.words
+    words = trouble.words
     near = [words.get(keyword, "") for keyword in near_keywords(trouble, trouble.at, kinds)]
     if not near or not near[0]:
         return ""
@@ -261,13 +267,13 @@ def _help_text(trouble: Trouble, kinds: Sequence[str]) -> str:
     return f"did you mean {either(near)}?"
 
 
-def _context_labels(
-    trouble: Trouble, repair: Repair | None, tokens: Sequence[Token], source: Source
-) -> tuple[Label, ...]:
+def _context_labels(trouble: Trouble, repair: Repair | None) -> tuple[Label, ...]:
     """Returns a label for an open bracket, or for the end of a line where something is missing."""
-    kinds = accepted(trouble.automaton, trouble.stack)
-    brackets = open_marks(trouble.automaton, trouble.stack, "LPAR", "RPAR")
-    brackets += open_marks(trouble.automaton, trouble.stack, "LSQB", "RSQB")
+    tokens = trouble.tokens
+    source = trouble.source
+    kinds = trouble.stack.accepted()
+    brackets = trouble.stack.open_marks("LPAR", "RPAR")
+    brackets += trouble.stack.open_marks("LSQB", "RSQB")
     written = [number for number in brackets if number >= 0]
     if written and {"RPAR", "RSQB"} & set(kinds):
         return (Label(token_span(tokens[max(written)], source), "opened here"),)
@@ -297,7 +303,7 @@ def expected_text(trouble: Trouble, kinds: Sequence[str]) -> str:
             left.discard("LPAR")
         left -= {"DOT", "LSQB"}
     phrases += [PHRASES[kind] for kind in PHRASES if kind in left]
-    words = trouble.automaton.words
+    words = trouble.words
     phrases += sorted(f"`{words.get(kind, kind)}`" for kind in left - PHRASES.keys())
     if len(phrases) > LONGEST:
         phrases = [*phrases[: LONGEST - 1], "something else"]

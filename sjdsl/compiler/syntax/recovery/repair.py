@@ -3,23 +3,17 @@
 Assumes that the stack cannot read the next token; guarantees that it can read one after the change.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Literal
+
+from lark import Token
 
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.limits import MAX_DEPTH
 from sjdsl.compiler.diagnostics.slips import slip
-from sjdsl.compiler.syntax.recovery.automaton import (
-    END,
-    Automaton,
-    Stack,
-    accepted,
-    levels,
-    open_braces,
-    reach,
-    read,
-)
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.syntax.recovery.automaton import END, Stack
 from sjdsl.near_names import nearest
 
 AHEAD = 24  # tokens looked at behind an error
@@ -63,10 +57,12 @@ REPEATED = 1.0  # bonus of leaving out a token that is there twice
 class Trouble(Record):
     """Where the table refused token `at`.
 
-    closing: see `parse.closing_braces`. stack, before: at that token, and at the one before it.
+    kinds, texts: of the tokens, and of the end. closing: see `parse.closing_braces`.
+    stack, before: at that token, and at the one before it.
     """
 
-    automaton: Automaton
+    source: Source
+    tokens: Sequence[Token]
     kinds: Sequence[str]
     texts: Sequence[str]
     closing: Sequence[int]
@@ -75,12 +71,17 @@ class Trouble(Record):
     at: int
 
     @property
+    def words(self) -> Mapping[str, str]:
+        """The kinds of tokens that are written in one way only, with their text."""
+        return self.stack.automaton.words
+
+    @property
     def unmatched(self) -> int:
         """How many open braces are not closed further on.
 
         Below 0: how many are closed that are not open.
         """
-        return len(open_braces(self.automaton, self.stack)) - self.closing[self.at]
+        return len(self.stack.open_braces()) - self.closing[self.at]
 
 
 class Repair(Record):
@@ -108,13 +109,13 @@ def find_repair(trouble: Trouble) -> Repair | None:
 
     If no small one helps, it goes on at the next statement; None if there is none.
     """
-    if statement_slip(trouble, accepted(trouble.automaton, trouble.stack)):
+    if statement_slip(trouble, trouble.stack.accepted()):
         return _skip(trouble)
     scored = []
     for change in _candidates(trouble):
         # after a word that is nearly right, one token that can be read is enough to believe it
         needed = 1 if change.sort == "near" else min(ENOUGH, len(trouble.kinds) - trouble.at)
-        read_on = reach(trouble.automaton, change.stack, trouble.kinds, change.resume, AHEAD)
+        read_on = change.stack.reach(trouble.kinds, change.resume, AHEAD)
         seen = read_on + change.resume - trouble.at
         if seen >= needed:
             scored.append((_score(trouble, change, min(AHEAD, seen)), change))
@@ -127,7 +128,7 @@ def find_repair(trouble: Trouble) -> Repair | None:
 
 def _score(trouble: Trouble, repair: Repair, seen: int) -> float:
     """Returns the score of a change after which `seen` tokens from the error on can be read."""
-    unmatched = len(open_braces(trouble.automaton, repair.stack)) - trouble.closing[repair.resume]
+    unmatched = len(repair.stack.open_braces()) - trouble.closing[repair.resume]
     score = seen + BONUS[repair.sort] - IMBALANCE * min(abs(unmatched), 3) - 0.01 * repair.times
     if repair.place < trouble.at:
         score -= EARLIER
@@ -144,26 +145,25 @@ def _candidates(trouble: Trouble) -> Iterator[Repair]:
     yield from _changes_here(trouble)
     if trouble.before is not None:
         yield from _changes_before(trouble, trouble.before)
-    closed = read(trouble.automaton, trouble.stack, "RBRACE")
+    closed = trouble.stack.read("RBRACE")
     times = 1
     while closed is not None and times <= MAX_DEPTH:
         yield Repair("close", trouble.at, closed, trouble.at, "RBRACE", times)
-        closed = read(trouble.automaton, closed, "RBRACE")
+        closed = closed.read("RBRACE")
         times += 1
 
 
 def _changes_here(trouble: Trouble) -> Iterator[Repair]:
     """Yields changes of the refused token, or in front of it."""
-    automaton = trouble.automaton
     stack = trouble.stack
     at = trouble.at
-    kinds = accepted(automaton, stack)
+    kinds = stack.accepted()
     for kind in near_keywords(trouble, at, kinds):
-        yield Repair("near", at, _read_accepted(automaton, stack, kind), at + 1, kind)
-    if automaton.words.get(trouble.kinds[at], "").isalpha() and "NAME" in kinds:
-        yield Repair("name", at, _read_accepted(automaton, stack, "NAME"), at + 1, "NAME")
+        yield Repair("near", at, _read_accepted(stack, kind), at + 1, kind)
+    if trouble.words.get(trouble.kinds[at], "").isalpha() and "NAME" in kinds:
+        yield Repair("name", at, _read_accepted(stack, "NAME"), at + 1, "NAME")
     for kind in kinds:
-        after = _read_accepted(automaton, stack, kind)
+        after = _read_accepted(stack, kind)
         if kind != END:
             yield Repair("insert", at, after, at, kind)
         if trouble.kinds[at] != END:
@@ -174,35 +174,32 @@ def _changes_here(trouble: Trouble) -> Iterator[Repair]:
 
 def _changes_before(trouble: Trouble, before: Stack) -> Iterator[Repair]:
     """Yields changes of the token before the refused one, or in front of it."""
-    automaton = trouble.automaton
     place = trouble.at - 1
-    kinds = accepted(automaton, before)
+    kinds = before.accepted()
     for kind in near_keywords(trouble, place, kinds):
-        yield Repair("near", place, _read_accepted(automaton, before, kind), trouble.at, kind)
+        yield Repair("near", place, _read_accepted(before, kind), trouble.at, kind)
     if trouble.kinds[place] in NAMELIKE and "NAME" in kinds:
-        yield Repair("name", place, _read_accepted(automaton, before, "NAME"), trouble.at, "NAME")
+        yield Repair("name", place, _read_accepted(before, "NAME"), trouble.at, "NAME")
     if trouble.kinds[place] == "RBRACE":
         yield Repair("unclose", trouble.at, before, trouble.at)
     for kind in kinds:
         if kind == END:
             continue
-        after = read(
-            automaton, _read_accepted(automaton, before, kind), trouble.kinds[place], place
-        )
+        after = _read_accepted(before, kind).read(trouble.kinds[place], place)
         if after is not None:
             yield Repair("insert", place, after, trouble.at, kind)
 
 
-def _read_accepted(automaton: Automaton, stack: Stack, kind: str) -> Stack:
+def _read_accepted(stack: Stack, kind: str) -> Stack:
     """Returns the stack after a token of a kind that can come next."""
-    after = read(automaton, stack, kind)
+    after = stack.read(kind)
     assert after is not None
     return after
 
 
-def can_be_written(automaton: Automaton, kinds: Sequence[str]) -> dict[str, str]:
+def can_be_written(trouble: Trouble, kinds: Sequence[str]) -> dict[str, str]:
     """Returns the words and signs of these kinds, each with its kind."""
-    words = {word: kind for kind, word in automaton.words.items() if kind in kinds}
+    words = {word: kind for kind, word in trouble.words.items() if kind in kinds}
     if "CMP" in kinds:
         words["=="] = "CMP"
     return words
@@ -217,13 +214,13 @@ def statement_slip(trouble: Trouble, kinds: Sequence[str]) -> str:
     texts = trouble.texts
     written = " ".join(texts[at : at + STATEMENT]).rstrip()
     before = " ".join(texts[max(0, at - STATEMENT) : at])
-    return slip(written, can_be_written(trouble.automaton, kinds), before)[0]
+    return slip(written, can_be_written(trouble, kinds), before)[0]
 
 
 def near_keywords(trouble: Trouble, at: int, kinds: Sequence[str]) -> list[str]:
     """Returns the kinds of the keywords, among `kinds`, that a misspelt word may stand for."""
     text = trouble.texts[at]
-    words = can_be_written(trouble.automaton, kinds)
+    words = can_be_written(trouble, kinds)
     hint, word = slip(text, words)
     if word:
         return [words[word]]
@@ -238,16 +235,15 @@ def near_keywords(trouble: Trouble, at: int, kinds: Sequence[str]) -> list[str]:
 
 def _skip(trouble: Trouble) -> Repair | None:
     """Goes to the next statement, brace or end at which some level of the stack can read on."""
-    automaton = trouble.automaton
     depth = 0
     for resume in range(trouble.at, len(trouble.kinds)):
         kind = trouble.kinds[resume]
         if kind in RESUMING and depth == 0:
             needed = 1 if kind in ("RBRACE", END) else ENOUGH
-            for level in levels(trouble.stack):
-                if reach(automaton, level, trouble.kinds, resume, needed) >= needed:
+            for level in trouble.stack.levels():
+                if level.reach(trouble.kinds, resume, needed) >= needed:
                     return Repair("skip", trouble.at, level, resume)
-                if level.state in automaton.after["LBRACE"] and kind != "RBRACE":
+                if level.state in level.automaton.after["LBRACE"] and kind != "RBRACE":
                     break
         if kind == "LBRACE":
             depth += 1
