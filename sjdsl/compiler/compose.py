@@ -32,6 +32,7 @@ TABLE_OF: dict[type[Node], tuple[str, str]] = {
     ast.ScriptedPolicy: ("policies", "policy "), ast.Task: ("tasks", "task "),
     ast.HoldOut: ("held_out", "hold out "),
 }  # fmt: skip
+Observable = ast.Show | ast.ShowEvent | ast.Hide
 TABLE_OF_AGENTS: dict[type[Node], str] = {
     ast.Field: "agent_fields", ast.Timer: "agent_fields", ast.Forbid: "forbids", ast.Blocks: "agent_blocks",
 }  # fmt: skip
@@ -71,7 +72,7 @@ class Composition:
     schedule: ast.Schedule | None = None
     phases: dict[str, ast.Phase] = field(default_factory=dict)
     windows: tuple[ast.Window, ...] = ()
-    observables: dict[str, ast.Show | ast.Hide] = field(default_factory=dict)
+    observables: dict[str, Observable] = field(default_factory=dict)
     looks: dict[str, tuple[ast.Look, ...]] = field(default_factory=dict)  # by what they are of
     metrics: dict[str, ast.Event | ast.Measure] = field(default_factory=dict)
     checks: dict[str, tuple[ast.Check, ...]] = field(
@@ -373,9 +374,9 @@ def _chosen_text(action: ast.Chosen) -> str:
     return f"{action.name.text}({', '.join(texts)})"
 
 
-def _observable_entries(observe: ast.Observe) -> list[tuple[str, ast.Window | ast.Show | ast.Hide]]:
+def _observable_entries(observe: ast.Observe) -> list[tuple[str, ast.Window | Observable]]:
     """Returns what a block says, by its key. The windows are one entry together, so that they are replaced together."""
-    entries: list[tuple[str, ast.Window | ast.Show | ast.Hide]] = []
+    entries: list[tuple[str, ast.Window | Observable]] = []
     windows = [s for s in observe.observables if isinstance(s, ast.Window)]
     plain = [w for w in windows if w.condition is None] or windows[:1]
     if plain:
@@ -391,8 +392,10 @@ def _observable_entries(observe: ast.Observe) -> list[tuple[str, ast.Window | as
     ]
 
 
-def _observable_key(observable: ast.Show | ast.Hide) -> str:
+def _observable_key(observable: Observable) -> str:
     """Returns the name under which a variant replaces a `show` or `hide`."""
+    if isinstance(observable, ast.ShowEvent):
+        return f"event {observable.name.text}"
     on = (
         f" on {observable.on.text}"
         if isinstance(observable, ast.Hide) and observable.on is not None

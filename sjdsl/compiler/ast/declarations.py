@@ -270,6 +270,10 @@ class Show(Node):
     condition: Expr | None
 
 
+class ShowEvent(Node):
+    name: Name
+
+
 class Hide(Node):
     """`on`: a kind, a group or `agents`: only there."""
 
@@ -279,7 +283,7 @@ class Hide(Node):
 
 
 class Observe(Node):
-    observables: tuple[Window | Show | Hide, ...]
+    observables: tuple[Window | Show | ShowEvent | Hide, ...]
 
 
 class Paint(Node):

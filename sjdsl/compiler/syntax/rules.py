@@ -295,6 +295,7 @@ RULES: dict[str, Build] = {kind.__name__.lower(): node(kind) for kind in PLAIN} 
     "show": show,
     "relabel": node(ast.Relabel, "where"),
     "look": node(ast.Look, "where", "body", "badge"),
+    "show_event": node(ast.ShowEvent),
     "hide": node(ast.Hide, on="hidden_on"),
     "event": node(ast.Event, "by"),
     "mean": lambda span, name, value: ast.Measure(span, True, name, value),
