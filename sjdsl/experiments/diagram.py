@@ -21,7 +21,7 @@ from sjdsl.experiments.contrasts import (
 from sjdsl.experiments.playing import Experiment, Part
 from sjdsl.experiments.usage import describe_usage, too_many_invalid
 from sjdsl.experiments.verdict import Verdict, judge, listed, share_that_may_differ
-from sjdsl.models.talks import Usage
+from sjdsl.models.account import Usage
 from sjdsl.trainers.policies.estimates import Estimate, stack_estimates
 
 FORMAT = 1  # of schelling.json

@@ -15,7 +15,7 @@ from sjdsl.experiments.lineups import Lineup, visiting
 from sjdsl.experiments.players import player_of
 from sjdsl.experiments.playing import Experiment, Part
 from sjdsl.experiments.usage import describe_usage
-from sjdsl.models.talks import Usage
+from sjdsl.models.account import Usage
 from sjdsl.short_paths import short_names
 from sjdsl.trainers.policies.estimates import Estimate, estimate
 

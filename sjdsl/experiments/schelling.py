@@ -71,7 +71,7 @@ def play_diagram(
     with open_talks(experiment, path, description, limits, tell) as talks:
         parts = play_experiment(experiment, tell, talks)
     returns = returns_of(parts, experiment.env.num_agents, experiment.replicates)
-    diagram = Diagram(experiment, returns, talks.by_policy())
+    diagram = Diagram(experiment, returns, talks.account.by_policy())
     if path is not None:
         write_diagram(diagram, path, description)
     return diagram

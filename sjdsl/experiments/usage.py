@@ -12,8 +12,8 @@ import numpy as np
 
 from sjdsl.experiments.playing import Experiment
 from sjdsl.models import HostPolicy, Model, Reply, Seats
+from sjdsl.models.account import Usage, tokens
 from sjdsl.models.seats import Question
-from sjdsl.models.talks import Usage, tokens
 from sjdsl.trainers.environment import episode_length, num_trials
 
 MOST_INVALID_SHARE = 0.05  # of the replies of a model, above which there is no verdict
