@@ -248,6 +248,9 @@ def moment_lines(
         yield "  " + "  ".join(cells)
     if moment.events:
         yield "  " + ", ".join(f"{name} {np.sum(count)}" for name, count in moment.events.items())
+    for agent, why in enumerate(moment.why):
+        if why:
+            yield f"  {labels[agent]}: {why}"
     if moment.done:
         yield "  the episode is over"
 

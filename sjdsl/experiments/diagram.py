@@ -39,6 +39,7 @@ class Diagram:
     experiment: Experiment
     returns: Returns
     usage: Mapping[str, Usage] = field(default_factory=dict)  # of models, by their names
+    wordings: Mapping[str, tuple[Estimate, ...]] = field(default_factory=dict)  # of their roles
 
     @property
     def cooperating(self) -> tuple[Estimate, ...]:
@@ -141,7 +142,7 @@ def report_of(diagram: Diagram) -> dict[str, Any]:
         "cooperators": diagram.experiment.pools[0].name,
         "defectors": diagram.experiment.pools[1].name,
         **diagram.experiment.describe(),
-        **describe_usage(diagram.usage),
+        **describe_usage(diagram.usage, diagram.wordings),
         "unit": diagram.returns.unit,
         "units": diagram.units,
         "returns": {

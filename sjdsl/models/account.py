@@ -12,6 +12,7 @@ from sjdsl.models.seats import PARALLEL, Question
 
 CHARACTERS_OF_A_TOKEN = 3  # about; less than in English prose, as windows are signs
 LEAST_CHARACTERS_OF_A_TOKEN = 2  # for the most that a call may cost
+Seat = tuple[str, int, int]  # the part of an experiment, the episode in it, the agent
 REPORTED = 100  # calls between two lines of progress
 
 
@@ -66,7 +67,7 @@ class Account:
     def __init__(self, limits: Limits, tell: Callable[[str], None] = lambda _: None) -> None:
         """tell: gets a line after every hundred calls."""
         self.usage: defaultdict[tuple[str, str, int], Usage] = defaultdict(Usage)
-        self.by_seat: defaultdict[tuple[str, int, int], Usage] = defaultdict(Usage)
+        self.by_seat: defaultdict[Seat, Usage] = defaultdict(Usage)
         self.server_names: dict[str, str] = {}
         self._limits = limits
         self._tell = tell
@@ -114,17 +115,22 @@ class Account:
         Raises:
           ModelError: the server has another model than before.
         """
-        policy = question.policy
         with self._lock:
             self._pend(-1, -pending)
-            self._check_server_name(name_of(policy), reply.answer or Answer(""))
-            self.usage[name_of(policy), policy.role, question.trial].add(policy, reply)
-            self.by_seat[part, question.episode, question.agent].add(policy, reply)
+            self.add(
+                (part, question.episode, question.agent), question.trial, question.policy, reply
+            )
             total = self.total()
             if total.calls % REPORTED == 0:
                 self._tell(
                     f"{total.calls:,} calls, {total.invalid:,} unusable, ${total.dollars:.2f}"
                 )
+
+    def add(self, seat: Seat, trial: int, policy: HostPolicy, reply: Reply) -> None:
+        """Counts a call of which nothing was noted, in one thread. Raises as `count`."""
+        self._check_server_name(name_of(policy), reply.answer or Answer(""))
+        self.usage[name_of(policy), policy.role, trial].add(policy, reply)
+        self.by_seat[seat].add(policy, reply)
 
     def _pend(self, calls: int, dollars: float) -> None:
         self._calls_pending += calls

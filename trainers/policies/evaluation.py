@@ -91,6 +91,17 @@ class Chooser(Protocol):
         ...
 
 
+@dataclass
+class Tape:
+    """What replays E episodes, step by step; nothing is cut off after an episode's end.
+
+    keys: `[E, 2]` uint32 of the resets, then of each step; actions: `[E, N]` int32 of each step.
+    """
+
+    keys: list[np.ndarray] = field(default_factory=list)
+    actions: list[np.ndarray] = field(default_factory=list)
+
+
 def make_evaluator(
     env: Environment,
     policy_of: Callable[[Any], Policy],
@@ -117,7 +128,8 @@ def make_evaluator(
         def advance(carry: tuple[Array, _Episodes]) -> tuple[Array, _Episodes]:
             return together.advance(parameters, carry, None)[0]
 
-        _, end = jax.lax.while_loop(is_running, advance, together.start(key, parameters))
+        start, _ = together.start(key, parameters)
+        _, end = jax.lax.while_loop(is_running, advance, start)
         return end.sums
 
     return lambda key, parameters: _evaluation(play(key, parameters))
@@ -128,7 +140,7 @@ def make_host_evaluator(
     policy_of: Callable[[Any], Policy],
     num_episodes: int,
     memory_of: Callable[[Any], Any] | None = None,
-) -> Callable[[Array, Any, Chooser], Evaluation]:
+) -> Callable[[Array, Any, Chooser], tuple[Evaluation, Tape]]:
     """Returns `make_evaluator` as a loop in Python, which asks a chooser before each step.
 
     With a chooser that leaves all agents to the policy, it plays the same actions and states.
@@ -138,17 +150,22 @@ def make_host_evaluator(
     advance = jax.jit(together.advance)
     allowed = jax.jit(together.allowed)
 
-    def evaluate_parameters(key: Array, parameters: Any, chooser: Chooser) -> Evaluation:
-        carry = start(key, parameters)
+    def evaluate_parameters(
+        key: Array, parameters: Any, chooser: Chooser
+    ) -> tuple[Evaluation, Tape]:
+        carry, reset_keys = start(key, parameters)
+        tape = Tape([np.asarray(reset_keys)])
         over = np.zeros(num_episodes, bool)
         while not over.all():
             _, episodes = carry
             seen = np.asarray(episodes.observation)
             chosen = chooser.choose(seen, np.asarray(allowed(episodes.state)), over)
-            carry, (reward, ended) = advance(parameters, carry, chosen)
+            carry, (reward, ended, actions, keys) = advance(parameters, carry, chosen)
             over = np.asarray(carry[1].over)
             chooser.learn(np.asarray(reward), np.asarray(ended), over)
-        return _evaluation(carry[1].sums)
+            tape.actions.append(np.asarray(actions))
+            tape.keys.append(np.asarray(keys))
+        return _evaluation(carry[1].sums), tape
 
     return evaluate_parameters
 
@@ -185,14 +202,16 @@ class _Together:
     num_episodes: int
     memory_of: Callable[[Any], Any] | None
 
-    def start(self, key: Array, parameters: Any) -> tuple[Array, _Episodes]:
-        """Returns the key of the steps and the episodes before the first one."""
+    def start(self, key: Array, parameters: Any) -> tuple[tuple[Array, _Episodes], Array]:
+        """Returns the key of the steps and the episodes before the first one; and the data
+        `[E, 2]` of the keys of their resets.
+        """
         policy = with_memory(self.policy_of(parameters))
         memory = self.memory_of(parameters) if self.memory_of else policy.starts(self.num_episodes)
         reset_key, loop_key = jax.random.split(key)
-        observation, state = jax.vmap(self.env.reset)(
-            jax.random.split(reset_key, self.num_episodes)
-        )
+        reset_keys = jax.random.split(reset_key, self.num_episodes)
+        data = jax.random.key_data(reset_keys)
+        observation, state = jax.vmap(self.env.reset)(reset_keys)
         episodes = _Episodes(
             state=state,
             observation=observation,
@@ -200,7 +219,7 @@ class _Together:
             sums=zero_sums(self.env, self.num_episodes),
             over=jnp.zeros(self.num_episodes, bool),
         )
-        return loop_key, episodes
+        return (loop_key, episodes), data
 
     def allowed(self, state: Any) -> Array:
         """Returns which actions each agent may take, `[E, N, A]` bool."""
@@ -210,39 +229,44 @@ class _Together:
 
     def advance(
         self, parameters: Any, carry: tuple[Array, _Episodes], chosen: Array | None
-    ) -> tuple[tuple[Array, _Episodes], tuple[Array, Array]]:
+    ) -> tuple[tuple[Array, _Episodes], tuple[Array, Array, Array, Array]]:
         """Plays one step of all episodes; those that are over stay as they are.
 
         Args:
           chosen: `[E, N]` int32, actions that replace the policy's where they aren't negative.
         Returns:
-          the key and the episodes afterwards, and of the step the rewards `[E, N]` and whether it
-          ended a trial, `[E]` bool.
+          the key and the episodes afterwards, and of the step the rewards `[E, N]`, whether it
+          ended a trial, `[E]` bool, the actions `[E, N]` int32 and the words of the keys, `[E, 2]`.
         """
         policy = with_memory(self.policy_of(parameters))
 
         def play_step(
             key: Array, state: Any, memory: Any, observation: Array, chosen: Array | None
-        ) -> tuple[Any, tuple[Array, Any, Array, Array, dict[str, Any]]]:
-            """Plays one step of one episode; returns the policy's memory and what the step gave."""
+        ) -> tuple[Any, Array, Array, tuple[Array, Any, Array, Array, dict[str, Any]]]:
+            """Plays one step of one episode.
+
+            Returns the policy's memory, the actions, the words of the step's key and what it gave.
+            """
             action_key, env_key = jax.random.split(key)
             memory, actions = take_actions(self.env, policy, memory, action_key, observation, state)
             if chosen is not None:
                 actions = jnp.where(chosen >= 0, chosen, actions)
+            data = jax.random.key_data(env_key)
             stepped = self.env.step_env(env_key, state, actions)
             _, _, reward, _, info = stepped
-            return policy.after_step(memory, actions, reward, info), stepped
+            return policy.after_step(memory, actions, reward, info), actions, data, stepped
 
         key, before = carry
         key, step_key = jax.random.split(key)
         keys = jax.random.split(step_key, self.num_episodes)
-        memory, stepped = jax.vmap(play_step)(
+        memory, actions, words, stepped = jax.vmap(play_step)(
             keys, before.state, before.memory, before.observation, chosen
         )
         observation, state, reward, done, info = stepped
         sums = add_step(before.sums, reward, reward, info)
         after = _Episodes(state, observation, memory, sums, done)
-        return (key, where_env(before.over, before, after)), (reward, trial_ended(info))
+        step = (reward, trial_ended(info), actions, words)
+        return (key, where_env(before.over, before, after)), step
 
 
 def summarise(evaluation: Evaluation) -> dict[str, Estimate]:
