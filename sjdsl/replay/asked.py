@@ -65,6 +65,7 @@ def told_messages(
     talks = {agent: read_talks(path) for agent, path in paths.items() if path.exists()}
     hosts = {agent: _model(recording, agent) for agent in talks}
     told: list[str] = []  # since the last step
+    introduced: set[int] = set()  # whose text about the game was told
 
     def ask(question: Question) -> Reply:
         agent = question.agent
@@ -73,12 +74,8 @@ def told_messages(
             raise ModelError(f"{paths[agent]} has no call of step {question.step}")
         check_request(talk, question, paths[agent])
         if agent in agents:
-            asked = question.message
-            if question.step == 0 and question.kind == "move":
-                told.append(f"---- what agent {agent} is told of the game\n\n{asked.system}")
-            answer = talk.reply.action if talk.reply.answer is None else talk.reply.answer.text
-            title = f"---- to agent {agent} before step {question.step}"
-            told.append(f"{title}\n\n{asked.text}\n---- its reply\n\n{answer}\n")
+            told.extend(_in_words(question, talk.reply, is_first=agent not in introduced))
+            introduced.add(agent)
         return talk.reply
 
     def of_episode(value: Any) -> np.ndarray:
@@ -95,6 +92,16 @@ def told_messages(
             seats.learn(of_episode(moment.reward), of_episode(trial_ended), of_episode(moment.done))
             yield from told
             told.clear()
+
+
+def _in_words(question: Question, reply: Reply, is_first: bool) -> Iterator[str]:
+    """Yields a message and its reply; before the first one what the agent is told of the game."""
+    agent = question.agent
+    if is_first:
+        yield f"---- what agent {agent} is told of the game\n\n{question.message.system}"
+    yield f"---- to agent {agent} before step {question.step}\n\n{question.message.text}"
+    yield "---- its reply\n"
+    yield f"{reply.action if reply.answer is None else reply.answer.text}\n"
 
 
 def _model(recording: Recording, agent: int) -> Any:

@@ -19,20 +19,27 @@ WORLD = ir.Sort("world")
 
 def with_shown_events(composed: Composition, game: ir.Game, scope: Scope) -> ir.Game:
     """Returns the game with a field and a plane for each event that is shown."""
-    shows = [show for show in composed.observables.values() if isinstance(show, ast.ShowEvent)]
     events = {event.name: event for event in game.events}
-    fields = scope.problems.each(shows, lambda show: _field(show, events, scope))
-    for field in fields:
-        events[field.name] = events[field.name].model_copy(update={"shown": True})
-    of_agents = tuple(field for field in fields if field.held_by == AGENTS)
-    of_world = tuple(field for field in fields if field.held_by == WORLD)
-    agents = game.agents.model_copy(update={"fields": game.agents.fields + of_agents})
+    of_agents = list(game.agents.fields)
+    of_world = list(game.fields)
+    observables = list(game.observables)
+    for show in composed.observables.values():
+        if not isinstance(show, ast.ShowEvent):
+            continue
+        with scope.problems.skip_if_broken():
+            field = _field(show, events, scope)
+            fields = of_agents if field.held_by == AGENTS else of_world
+            fields.append(field)
+            observables += planes_of_rows([_seen(field)])
+            shown = {"shown": True}
+            events[field.name] = events[field.name].model_copy(update=shown)
+    agents = game.agents.model_copy(update={"fields": tuple(of_agents)})
     return game.model_copy(
         update={
             "agents": agents,
-            "fields": game.fields + of_world,
+            "fields": tuple(of_world),
             "events": tuple(events.values()),
-            "observables": game.observables + planes_of_rows(map(_seen, fields)),
+            "observables": tuple(observables),
         }
     )
 
@@ -53,10 +60,21 @@ def _field(show: ast.ShowEvent, events: Mapping[str, ir.Event], scope: Scope) ->
     if event.by is not None:
         type_ = type_.model_copy(update={"indexed_by": (event.by,)})
     held_by = AGENTS if event.per_agent else WORLD
-    return ir.VarField(name=name, held_by=held_by, type=type_, start=0, origin=show.span)
+    return ir.VarField(
+        name=name,
+        held_by=held_by,
+        type=type_,
+        start=0,
+        origin=show.span,
+    )
 
 
 def _seen(field: ir.VarField) -> ir.Observable:
     """Returns what agents see of a count: their own, or the world's."""
     what = "own" if field.held_by == AGENTS else "world"
-    return ir.Observable(what=what, field=field.name, type=field.type, origin=field.origin)
+    return ir.Observable(
+        what=what,
+        field=field.name,
+        type=field.type,
+        origin=field.origin,
+    )
