@@ -71,9 +71,8 @@ def _field(show: ast.ShowEvent, events: Mapping[str, ir.Event], scope: Scope) ->
 
 def _seen(field: ir.VarField) -> ir.Observable:
     """Returns what agents see of a count: their own, or the world's."""
-    what = "own" if field.held_by == AGENTS else "world"
     return ir.Observable(
-        what=what,
+        what="own" if field.held_by == AGENTS else "world",
         field=field.name,
         type=field.type,
         origin=field.origin,
