@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
@@ -31,11 +32,15 @@ class RecordedKeys:
 
     def start(self) -> Array:
         """Returns the key of the environment's `reset`."""
-        return jax.random.wrap_key_data(np.array(self.words[0], np.uint32))
+        return self._key(0)
 
     def of_step(self, number: int) -> Array:
         """Returns the key of a step, by its number from 0."""
-        return jax.random.wrap_key_data(np.array(self.words[number + 1], np.uint32))
+        return self._key(number + 1)
+
+    def _key(self, number: int) -> Array:
+        key: Array = jax.random.wrap_key_data(jnp.array(self.words[number], jnp.uint32))
+        return key
 
 
 class EpisodePlayer:
