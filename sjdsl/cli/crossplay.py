@@ -95,7 +95,7 @@ def command(
         kind = mix or "all"
         with warnings_as_notes():
             plan = plan_cross_play(env, in_slots, policies or None, kind, episodes, seed, rotate)
-        show_forecast(plan, asking)
+        show_forecast(plan, asking, folder)
         mixed = kind if in_slots is None else None
         results = play_mixtures(plan, mixed, folder, say, asking.limits)
     click.echo(crossplay_text(results))

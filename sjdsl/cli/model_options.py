@@ -3,6 +3,7 @@
 import functools
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -19,10 +20,14 @@ MANY_CALLS = 1000  # before which a forecast is printed
 
 @dataclass(frozen=True)
 class Asking:
-    """How models are asked. dry_run: they aren't, and what they would be asked is printed."""
+    """How models are asked.
+
+    dry_run: they aren't, and what they would be asked is printed; status: what they were asked is.
+    """
 
     limits: Limits
     dry_run: bool = False
+    status: bool = False
 
 
 def model_options(command: Command) -> Command:
@@ -30,10 +35,16 @@ def model_options(command: Command) -> Command:
 
     @functools.wraps(command)
     def with_asking(
-        *, parallel: int, budget: float | None, calls: int | None, dry_run: bool, **others: Any
+        *,
+        parallel: int,
+        budget: float | None,
+        calls: int | None,
+        dry_run: bool,
+        status: bool,
+        **others: Any,
     ) -> Any:
         """Calls the command with the options in one object."""
-        return command(asking=Asking(Limits(parallel, budget, calls), dry_run), **others)
+        return command(asking=Asking(Limits(parallel, budget, calls), dry_run, status), **others)
 
     parallel_option = click.option(
         "--parallel",
@@ -58,23 +69,30 @@ def model_options(command: Command) -> Command:
     dry_run_option = click.option(
         "--dry-run", is_flag=True, help="Language models: print what they would cost; ask none."
     )
-    return parallel_option(budget_option(calls_option(dry_run_option(with_asking))))
+    status_option = click.option(
+        "--status", is_flag=True, help="Language models: print what they have been asked so far."
+    )
+    return parallel_option(budget_option(calls_option(dry_run_option(status_option(with_asking)))))
 
 
-def show_forecast(experiment: "Experiment", asking: Asking) -> None:
-    """Prints what the models of an experiment are asked, if it is much; a dry run ends then.
+def show_forecast(experiment: "Experiment", asking: Asking, folder: Path) -> None:
+    """Prints what the models of an experiment are asked, if it is much; a dry run ends then, and so
+    does one that only prints what they have been asked in a folder.
 
     Raises UsageError for options about models in an experiment without one.
     """
     limits = asking.limits
     if not experiment.hosts:
-        if asking.dry_run or limits.budget is not None or limits.calls is not None:
+        if asking.dry_run or asking.status or limits.budget is not None or limits.calls is not None:
             raise click.UsageError(
-                "--budget, --calls and --dry-run are for language models, and none plays"
+                "--budget, --calls, --dry-run and --status are for language models, and none plays"
             )
         return
-    from sjdsl.experiments.usage import forecasts
+    from sjdsl.experiments.usage import forecasts, status_text
 
+    if asking.status:
+        click.echo(status_text(experiment, folder))
+        raise click.exceptions.Exit(0)
     of_models = forecasts(experiment)
     calls = sum(forecast.calls for forecast in of_models.values())
     if asking.dry_run or calls > MANY_CALLS:

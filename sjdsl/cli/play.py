@@ -248,6 +248,9 @@ def moment_lines(
         yield "  " + "  ".join(cells)
     if moment.events:
         yield "  " + ", ".join(f"{name} {np.sum(count)}" for name, count in moment.events.items())
+    for agent, why in enumerate(moment.why):
+        if why:
+            yield f"  {labels[agent]}: {why}"
     if moment.done:
         yield "  the episode is over"
 
@@ -333,18 +336,21 @@ def play_compiled(
 
     `policy` chooses the actions of the agents that `steering` doesn't control.
     """
+    import jax
     import jax.numpy as jnp
 
     from sjdsl.replay import EpisodePlayer
+    from sjdsl.runtime.episode_keys import EpisodeKeys
     from sjdsl.runtime.policy import compiled_actions, with_memory
 
     player = EpisodePlayer(env, seed)
+    keys = EpisodeKeys(jax.random.key(seed), jax.random.fold_in)
     recurrent = with_memory(policy)
     act, after_step = compiled_actions(env, recurrent)
     memory = recurrent.start
     yield player.now()
     for number, controlled in enumerate(steering):
-        key = player.keys.of_choices(number)
+        key = keys.of_choices(number)
         memory, actions = act(memory, key, player.observation, player.state)
         chosen = enumerate(actions.tolist())
         moment = player.step([controlled.get(agent, action) for agent, action in chosen])

@@ -4,6 +4,7 @@ replay.
 
 import hashlib
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
@@ -22,6 +23,7 @@ from sjdsl.cli.model_options import Asking, model_options
 from sjdsl.cli.policies import SIDE_BY_SIDE, check_policy, choose_policy, code_option, policy_option
 from sjdsl.cli.stages import LOADING, Say, stages
 from sjdsl.models import Limits, Model, Talks, find_model, is_model_name
+from sjdsl.models.recorded import reasons
 from sjdsl.replay import DatasetWriter, Episode, Header
 from sjdsl.replay.recording import with_tasks_played
 from sjdsl.trainers.settings.policy_names import UNTRAINED, split_name
@@ -75,9 +77,10 @@ def command(
     require_folder_of(path)
     arguments = options.describe(game)
     is_asked = is_model_name(policy)
-    if asking.dry_run or (not is_asked and asking != Asking(Limits())):
+    if asking.dry_run or asking.status or (not is_asked and asking != Asking(Limits())):
         raise click.UsageError(
-            "--parallel, --budget and --calls are for language models; for --dry-run see crossplay"
+            "--parallel, --budget and --calls are for language models; for --dry-run and --status "
+            "see crossplay"
         )
     folder = path.with_name(f"{path.stem}_models") if is_asked else None
     with stages(LOADING) as say, Talks(folder, asking.limits, say) as talks:
@@ -119,6 +122,8 @@ def _play_asked(
     model: Model, talks: Talks, env: "Environment", header: Header
 ) -> Iterator[Episode]:
     """Yields the episodes of a header, in which all agents ask a model; calls are recorded."""
+    import numpy as np
+
     from sjdsl.models.hosted import hosted_policy
     from sjdsl.replay import play_asked_episodes
     from sjdsl.runtime.policy import mixed_policy
@@ -129,7 +134,12 @@ def _play_asked(
     def policy_of(seed: int) -> Any:
         return hosted_policy(env, hosts, nobody, talks.part(f"seed_{seed}"), talks.limits.parallel)
 
-    return play_asked_episodes(env, policy_of, header.seed, header.episodes, header.observation)
+    assert talks.folder is not None
+    played = play_asked_episodes(env, policy_of, header.seed, header.episodes, header.observation)
+    for episode in played:
+        folder = talks.folder / f"seed_{episode.seed}"
+        why = reasons(folder, 0, *episode.actions.shape)
+        yield replace(episode, why=np.array(why))
 
 
 def write_episodes(env: "Environment", play: Play, header: Header, path: Path, say: Say) -> str:

@@ -16,6 +16,7 @@ from sjdsl.cli.stages import LOADING, stages
 from sjdsl.interpreter.board import board_of
 from sjdsl.render.letters import make_letters
 from sjdsl.replay import RecordingError, load_recording
+from sjdsl.replay.asked import calls_of, told_messages
 
 
 @click.command("replay")
@@ -44,6 +45,10 @@ from sjdsl.replay import RecordingError, load_recording
     show_default=True,
     help="Steps a second.",
 )
+@click.option("--messages", is_flag=True, help="Print what models were asked, and their replies.")
+@click.option(
+    "--agent", type=int, metavar="I", multiple=True, help="With --messages: only of this agent."
+)
 def command(
     file: str,
     episode: int,
@@ -51,9 +56,16 @@ def command(
     game: str | None,
     map_file: str | None,
     speed: float,
+    messages: bool,
+    agent: tuple[int, ...],
 ) -> None:
     """Shows an episode that `sjdsl play --record` or `sjdsl record` stored, if the rules are still
-    the same."""
+    the same. FILE may be the folder of an experiment in which language models played: their reasons
+    are shown as well."""
+    if agent and not messages:
+        raise click.UsageError("--agent goes with --messages")
+    if messages and output is not None:
+        raise click.UsageError("--messages are printed, so -o is not for them")
     if output is not None:
         check_film(Path(output))
         require_folder_of(Path(output))
@@ -61,6 +73,7 @@ def command(
         with warnings_as_notes():
             recording = load_recording(Path(file), episode)
         from sjdsl.replay import replayed
+        from sjdsl.replay.episode_player import player_of
 
         with stages(LOADING) as say:
             retry = f"sjdsl replay {file} --game GAME"
@@ -69,6 +82,13 @@ def command(
             )
             with without_quoting_game(file):
                 env = sjdsl.make(**arguments)
+            if messages:
+                calls = calls_of(Path(file), episode, recording.seed)
+                player = player_of(recording, env)
+                agents = agent or range(env.num_agents)
+                report = "\n".join(told_messages(recording, player, calls, agents))
+                click.echo(report)
+                return
             moments = announced(replayed(recording, env), env, say)
             if output is not None:
                 report = write_film(env, moments, Path(output), speed, say)

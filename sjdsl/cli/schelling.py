@@ -43,7 +43,7 @@ def command(
 
         with warnings_as_notes():
             plan = plan_diagram(env, cooperators, defectors, episodes, seed)
-        show_forecast(plan, asking)
+        show_forecast(plan, asking, folder)
         diagram = play_diagram(plan, folder, say, asking.limits)
     click.echo(diagram_text(diagram))
     echo_files(folder, FILES)

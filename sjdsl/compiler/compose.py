@@ -36,6 +36,7 @@ TABLE_OF: dict[type[Node], tuple[str, str]] = {
     ast.ScriptedPolicy: ("policies", "policy "), ast.Task: ("tasks", "task "),
     ast.HoldOut: ("held_out", "hold out "),
 }  # fmt: skip
+Observable = ast.Show | ast.ShowEvent | ast.Hide
 
 
 @dataclass
@@ -73,7 +74,7 @@ class Composition:
     schedule: ast.Schedule | None = None
     phases: dict[str, ast.Phase] = field(default_factory=dict)
     windows: tuple[ast.Window, ...] = ()
-    observables: dict[str, ast.Show | ast.Hide] = field(default_factory=dict)
+    observables: dict[str, Observable] = field(default_factory=dict)
     looks: dict[str, tuple[ast.Look, ...]] = field(default_factory=dict)  # by what they are of
     metrics: dict[str, ast.Event | ast.Measure] = field(default_factory=dict)
     checks: dict[str, tuple[ast.Check, ...]] = field(
@@ -410,11 +411,19 @@ def _entries_observed(observe: ast.Observe) -> list[Entry]:
         entries.append(Entry("windows", "", "observe window", window.span, window))
     for node in observe.observables:
         if not isinstance(node, ast.Window):
-            name = path_text(node.what)
-            if isinstance(node, ast.Hide) and node.on is not None:
-                name = f"{name} on {node.on.text}"
+            name = _observable_name(node)
             entries.append(Entry("observables", name, f"observe {name}", node.span, node))
     return entries
+
+
+def _observable_name(observable: Observable) -> str:
+    """Returns the name under which a variant replaces a `show` or `hide`."""
+    if isinstance(observable, ast.ShowEvent):
+        return f"event {observable.name.text}"
+    name = path_text(observable.what)
+    if isinstance(observable, ast.Hide) and observable.on is not None:
+        return f"{name} on {observable.on.text}"
+    return name
 
 
 def _override_constant(game: Composition, change: ast.Override) -> None:

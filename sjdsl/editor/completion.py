@@ -272,6 +272,8 @@ def _place(tokens: Sequence[Token], kinds: Collection[str]) -> str:
             return "target" if "GIVE" in following(tokens[:-1]) else "change"
         case "TO":
             return "who" if _last_kind(STATEMENTS, tokens) == "SEND" else "target"
+        case "EVENT" if previous == "SHOW":
+            return "TALLY"
         case "FROM" if previous == "AWAY":
             return "who"
         case "LPAR" if previous in ("COUNT", "ANY", "ALL"):

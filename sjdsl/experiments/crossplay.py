@@ -88,7 +88,7 @@ def play_mixtures(
         require_same(path, description)
     with open_talks(experiment, path, description, limits, tell) as talks:
         parts = play_experiment(experiment, tell, talks)
-    results = CrossPlay(experiment, tuple(parts), mix, talks.by_policy())
+    results = CrossPlay(experiment, tuple(parts), mix, talks.account)
     if path is not None:
         write_cross_play(results, path, description)
     return results

@@ -21,7 +21,7 @@ from sjdsl.experiments.contrasts import (
 from sjdsl.experiments.playing import Experiment, Part
 from sjdsl.experiments.usage import describe_usage, too_many_invalid
 from sjdsl.experiments.verdict import Verdict, judge, listed, share_that_may_differ
-from sjdsl.models.talks import Usage
+from sjdsl.models.account import Usage
 from sjdsl.trainers.policies.estimates import Estimate, stack_estimates
 
 FORMAT = 1  # of schelling.json
@@ -39,6 +39,7 @@ class Diagram:
     experiment: Experiment
     returns: Returns
     usage: Mapping[str, Usage] = field(default_factory=dict)  # of models, by their names
+    wordings: Mapping[str, tuple[Estimate, ...]] = field(default_factory=dict)  # of their roles
 
     @property
     def cooperating(self) -> tuple[Estimate, ...]:
@@ -141,7 +142,7 @@ def report_of(diagram: Diagram) -> dict[str, Any]:
         "cooperators": diagram.experiment.pools[0].name,
         "defectors": diagram.experiment.pools[1].name,
         **diagram.experiment.describe(),
-        **describe_usage(diagram.usage),
+        **describe_usage(diagram.usage, diagram.wordings),
         "unit": diagram.returns.unit,
         "units": diagram.units,
         "returns": {

@@ -10,7 +10,7 @@ from typing import Any
 from sjdsl import files
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.files import UNFINISHED, write_whole
-from sjdsl.models.talks import FOLDER as TALKS
+from sjdsl.models.recorded import FOLDER as TALKS
 from sjdsl.trainers.json_files import plain, write_json
 
 DESCRIPTION = "experiment.json"

@@ -5,17 +5,18 @@ values.
 import csv
 import io
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
-from typing import Any, Literal
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any, Literal, cast
 
 import numpy as np
 
 from sjdsl.experiments.lineups import Lineup, visiting
-from sjdsl.experiments.players import player_of
-from sjdsl.experiments.playing import Experiment, Part
-from sjdsl.experiments.usage import describe_usage
-from sjdsl.models.talks import Usage
+from sjdsl.experiments.players import Player, player_of
+from sjdsl.experiments.playing import Experiment, Part, part_name
+from sjdsl.experiments.usage import by_wording, describe_usage
+from sjdsl.models.account import Account, Usage, name_of
+from sjdsl.models.roles import wordings
 from sjdsl.short_paths import short_names
 from sjdsl.trainers.policies.estimates import Estimate, estimate
 
@@ -24,6 +25,7 @@ FORMAT = 1  # of crossplay.json
 SEED = "training seed"
 EPISODE = "episode"
 Mix = Literal["all", "pairs"]
+ASKED = ("calls", "invalid", "input", "cached", "output", "dollars")  # columns, of `Usage`
 
 
 @dataclass(frozen=True)
@@ -33,7 +35,17 @@ class CrossPlay:
     experiment: Experiment
     parts: tuple[Part, ...]
     mix: Mix | None  # None: one fixed line-up
-    usage: Mapping[str, Usage] = field(default_factory=dict)  # of models, by their names
+    account: Account | None = None  # of models
+
+    @property
+    def usage(self) -> dict[str, Usage]:
+        """What models were asked, by their names."""
+        return {} if self.account is None else self.account.by_policy()
+
+    @property
+    def wordings(self) -> dict[str, tuple[Estimate, ...]]:
+        """What models earned, by the wordings of their roles."""
+        return by_wording(self.experiment, self.parts)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -115,7 +127,7 @@ def report_of(results: CrossPlay) -> dict[str, Any]:
         "format": FORMAT,
         **experiment.describe(),
         "mix": results.mix,
-        **describe_usage(results.usage),
+        **describe_usage(results.usage, results.wordings),
         "unit": results.unit,
         "mixtures": mixtures,
     }
@@ -125,6 +137,8 @@ def table_of(results: CrossPlay) -> str:
     """Returns a table with a row for each episode and slot, as CSV.
 
     Events of an agent are in columns `event_NAME`, those of an episode in `episode_event_NAME`.
+    If models play, each row ends with what its slot was asked, its server's name of the model, and
+    the wording of its role, from 0.
     """
     text = io.StringIO()
     events = results.parts[0].played.events
@@ -132,6 +146,8 @@ def table_of(results: CrossPlay) -> str:
         f"event_{name}" if counts.ndim == 2 else f"episode_event_{name}"
         for name, counts in events.items()
     ]
+    if results.usage:
+        titles += [*ASKED, "server_model", "wording"]
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(
         ["mixture", "replicate", "episode", "slot", "policy", "seed", "return", *titles]
@@ -160,4 +176,19 @@ def _table_rows(results: CrossPlay, part: Part) -> Iterator[list[Any]]:
             for counts in part.played.events.values():
                 is_per_agent = counts.ndim == 2
                 row.append((counts[episode, slot] if is_per_agent else counts[episode]).item())
+            if results.usage:
+                row += _asked(results, part, player, episode, slot)
             yield row
+
+
+def _asked(results: CrossPlay, part: Part, player: Player, episode: int, slot: int) -> list[Any]:
+    """Returns what a slot was asked, in columns; empty ones if it wasn't."""
+    policy = player.host
+    account = results.account
+    if policy is None or account is None:
+        return [""] * (len(ASKED) + 2)
+    seat = (part_name(part.lineup, part.replicate), episode, slot)
+    used = asdict(account.by_seat[seat])
+    number = len(wordings(policy.role, cast(Any, results.experiment.env).game))
+    model = account.server_names.get(name_of(policy), "")
+    return [*(used[name] for name in ASKED), model, episode % number]

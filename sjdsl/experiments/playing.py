@@ -26,6 +26,7 @@ from sjdsl.experiments.players import (
 )
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.experiments.stacks import make_player_of_lineups
+from sjdsl.experiments.tapes import save_tape
 from sjdsl.models import Limits, Talks
 from sjdsl.runtime.policy import Policy
 from sjdsl.trainers.environment import Environment
@@ -163,15 +164,27 @@ def play_experiment(experiment: Experiment, tell: Tell, talks: Talks | None = No
             )
             key = play_key(experiment.seed, replicate)
             players = experiment.players(lineup, replicate)
-            ask = talks.part(f"lineup_{'-'.join(map(str, lineup))}_seed_{replicate}")
-            played = play(key, players, orders[replicate], ask, talks.limits.parallel)
+            part = part_name(lineup, replicate)
+            ask = talks.part(part)
+            played, tape = play(key, players, orders[replicate], ask, talks.limits.parallel)
             for episode, agent in np.argwhere(~np.isfinite(played.returns)):
                 raise ExperimentError(
                     f"the return of agent {agent} in episode {episode} of line-up {number}{seed} "
                     "is not finite, so there is no mean"
                 )
             parts.append(Part(lineup, replicate, played, orders[replicate]))
+            if tape is not None and talks.folder is not None:
+                names = [
+                    [players[member].name for member in np.argsort(order)]
+                    for order in orders[replicate]
+                ]
+                save_tape(tape, experiment.env, experiment.seed, played, names, talks.folder / part)
     return parts
+
+
+def part_name(lineup: Lineup, replicate: int) -> str:
+    """Returns the name of a part's folder of calls."""
+    return f"lineup_{'-'.join(map(str, lineup))}_seed_{replicate}"
 
 
 def open_talks(

@@ -11,7 +11,7 @@ from sjdsl.compiler import ir
 from sjdsl.experiments.lineups import Lineup
 from sjdsl.experiments.playing import Experiment, Part
 from sjdsl.experiments.usage import describe_usage
-from sjdsl.models.talks import Usage
+from sjdsl.models.account import Usage
 from sjdsl.trainers.policies.estimates import Estimate, estimate
 
 FORMAT = 1  # of scenarios.json

@@ -143,7 +143,7 @@ def play_planned(
     scores = {
         scenario.name: score_of(scenario, plan.scripted, parts) for scenario in plan.scenarios
     }
-    results = ScenarioScores(plan.experiment, scores, talks.by_policy())
+    results = ScenarioScores(plan.experiment, scores, talks.account.by_policy())
     if folder is not None:
         write_scenarios(results, plan, Path(folder), name)
     return results

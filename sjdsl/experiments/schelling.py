@@ -19,6 +19,7 @@ from sjdsl.experiments.playing import (
     play_experiment,
 )
 from sjdsl.experiments.refusals import ExperimentError
+from sjdsl.experiments.usage import by_wording
 from sjdsl.files import write_whole
 from sjdsl.models import Limits
 from sjdsl.runtime.policy import Policy
@@ -71,7 +72,8 @@ def play_diagram(
     with open_talks(experiment, path, description, limits, tell) as talks:
         parts = play_experiment(experiment, tell, talks)
     returns = returns_of(parts, experiment.env.num_agents, experiment.replicates)
-    diagram = Diagram(experiment, returns, talks.by_policy())
+    earned = by_wording(experiment, parts)
+    diagram = Diagram(experiment, returns, talks.account.by_policy(), earned)
     if path is not None:
         write_diagram(diagram, path, description)
     return diagram

@@ -18,10 +18,17 @@ from sjdsl.models import HostPolicy
 from sjdsl.models import Seats as AskedSeats
 from sjdsl.models.seats import Ask
 from sjdsl.trainers.environment import Environment
-from sjdsl.trainers.policies.evaluation import Evaluation, make_evaluator, make_host_evaluator
+from sjdsl.trainers.policies.evaluation import (
+    Evaluation,
+    Tape,
+    make_evaluator,
+    make_host_evaluator,
+)
 from sjdsl.trainers.policies.loading import MemoryPolicy, with_memory
 
-PlayLineup = Callable[[Array, Sequence[Player], np.ndarray, Ask, int], Evaluation]
+PlayLineup = Callable[
+    [Array, Sequence[Player], np.ndarray, Ask, int], tuple[Evaluation, Tape | None]
+]
 
 
 @dataclass(frozen=True)
@@ -129,8 +136,11 @@ def make_player_of_lineups(
 
     def play(
         key: Array, lineup: Sequence[Player], order: np.ndarray, ask: Ask, parallel: int
-    ) -> Evaluation:
-        """Plays a line-up. order: `[E, N]`, the slot of each member in each episode."""
+    ) -> tuple[Evaluation, Tape | None]:
+        """Plays a line-up; returns a tape if somebody is asked in words.
+
+        order: `[E, N]`, the slot of each member in each episode.
+        """
         seats = find_seats(stacks, lineup)
         column_of_slot = np.empty_like(order)
         columns = np.broadcast_to(seats.columns, order.shape)
@@ -138,7 +148,7 @@ def make_player_of_lineups(
         arguments = (parameters, seats.chosen, seats.only_column, column_of_slot)
         hosts = find_hosts(lineup, order)
         if not any(hosts):
-            return evaluator(key, arguments)
+            return evaluator(key, arguments), None
         with AskedSeats(env, hosts, ask, parallel) as asked:
             return host_evaluator(key, arguments, asked)
 

@@ -35,7 +35,7 @@ def diagram_text(diagram: Diagram) -> str:
     text = "\n\n".join(parts)
     if diagram.caution:
         text += f"\n{diagram.caution}"
-    return f"{text}\n{usage_text(diagram.usage)}".rstrip()
+    return f"{text}\n{usage_text(diagram.usage, diagram.wordings)}".rstrip()
 
 
 def _verdict_text(diagram: Diagram) -> str:
@@ -79,7 +79,7 @@ def crossplay_text(results: CrossPlay) -> str:
     ]
     if shortened:
         table += f"\n\nthe policies\n{in_columns(shortened)}"
-    return f"{table}\n{usage_text(results.usage)}".rstrip()
+    return f"{table}\n{usage_text(results.usage, results.wordings)}".rstrip()
 
 
 def scenarios_text(scores: ScenarioScores) -> str:

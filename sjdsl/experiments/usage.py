@@ -3,18 +3,24 @@ asked.
 """
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from itertools import product
+from pathlib import Path
+from typing import Any, cast
 
 import jax
 import numpy as np
 
-from sjdsl.experiments.playing import Experiment
-from sjdsl.models import HostPolicy, Model, Reply, Seats
+from sjdsl.experiments.playing import Experiment, Part, part_name
+from sjdsl.experiments.stacks import find_hosts
+from sjdsl.models import HostPolicy, Limits, Model, Reply, Seats
+from sjdsl.models.account import Account, Usage, tokens
+from sjdsl.models.recorded import FOLDER, file_of, read_talks
+from sjdsl.models.roles import wordings
 from sjdsl.models.seats import Question
-from sjdsl.models.talks import Usage, tokens
 from sjdsl.trainers.environment import episode_length, num_trials
+from sjdsl.trainers.policies.estimates import Estimate, estimate
 
 MOST_INVALID_SHARE = 0.05  # of the replies of a model, above which there is no verdict
 
@@ -48,11 +54,40 @@ def forecasts(experiment: Experiment) -> dict[str, Forecast]:
     for index, pool in enumerate(experiment.pools):
         policy = pool.players[0].host
         if policy is not None:
-            notes = num_trials(env) - 1 if policy.notebook else 0
             seats = members[index] * experiment.episodes * experiment.replicates
-            calls = seats * (episode_length(env) + notes)
+            calls = seats * _calls_of_a_seat(env, policy)
             result[pool.name] = Forecast(policy, calls, _first_tokens(experiment, policy))
     return result
+
+
+def _calls_of_a_seat(env: Any, policy: HostPolicy) -> int:
+    """Returns how often an agent is asked in an episode at most."""
+    notes = num_trials(env) - 1 if policy.notebook else 0
+    return episode_length(env) + notes
+
+
+def status_text(experiment: Experiment, folder: Path) -> str:
+    """Returns how far the calls of an experiment are, which may be running: by model, role, trial.
+
+    Args:
+      folder: of its results.
+    """
+    account = Account(Limits())
+    most = 0
+    for lineup, replicate in product(experiment.lineups, range(experiment.replicates)):
+        part = part_name(lineup, replicate)
+        players = experiment.players(lineup, replicate)
+        for episode, hosts in enumerate(find_hosts(players, experiment.orders(replicate))):
+            for agent, policy in hosts.items():
+                most += _calls_of_a_seat(experiment.env, policy)
+                path = file_of(folder / FOLDER / part, episode, agent)
+                for talk in read_talks(path).values():
+                    account.add((part, episode, agent), talk.trial, policy, talk.reply)
+    lines = [f"{folder}: {account.total().calls:,} calls, of at most {most:,}"]
+    for (model, role, trial), used in sorted(account.usage.items()):
+        name = f"{model}+{role}" if role else model
+        lines.append(f"  {name}, trial {trial}: {_figures(used)}")
+    return "\n".join(lines)
 
 
 def _first_tokens(experiment: Experiment, policy: HostPolicy) -> int:
@@ -72,9 +107,42 @@ def _first_tokens(experiment: Experiment, policy: HostPolicy) -> int:
     return max(lengths)
 
 
-def describe_usage(usage: Mapping[str, Usage]) -> dict[str, Any]:
-    """Returns `models`, what each was asked, as JSON values; nothing if none played."""
-    return {"models": {name: asdict(used) for name, used in usage.items()}} if usage else {}
+def by_wording(experiment: Experiment, parts: Sequence[Part]) -> dict[str, tuple[Estimate, ...]]:
+    """Returns the mean return of an agent of each model that plays a role, for each wording of it,
+    over the episodes of all line-ups.
+    """
+    estimates = {}
+    for index, pool in enumerate(experiment.pools):
+        policy = pool.players[0].host
+        if policy is None or not policy.role:
+            continue
+        number = len(wordings(policy.role, cast(Any, experiment.env).game))
+        means = [
+            part.returns[:, np.array(part.lineup) == index].mean(axis=1)
+            for part in parts
+            if index in part.lineup
+        ]
+        estimates[pool.name] = tuple(
+            estimate(np.concatenate([of_part[wording::number] for of_part in means]))
+            for wording in range(number)
+        )
+    return estimates
+
+
+def describe_usage(
+    usage: Mapping[str, Usage], of_wordings: Mapping[str, Sequence[Estimate]] | None = None
+) -> dict[str, Any]:
+    """Returns `models`, what each was asked, and `wordings` of roles as JSON values; nothing if
+    none played.
+    """
+    described: dict[str, Any] = {}
+    if usage:
+        described["models"] = {name: asdict(used) for name, used in usage.items()}
+    if of_wordings:
+        described["wordings"] = {
+            name: [asdict(figure) for figure in figures] for name, figures in of_wordings.items()
+        }
+    return described
 
 
 def too_many_invalid(usage: Mapping[str, Usage]) -> str:
@@ -87,16 +155,24 @@ def too_many_invalid(usage: Mapping[str, Usage]) -> str:
     return f"{' and '.join(shares)} could not be used, and counted as `stay`" if shares else ""
 
 
-def usage_text(usage: Mapping[str, Usage]) -> str:
-    """Returns what models were asked, in words; empty if none played."""
+def _figures(used: Usage) -> str:
+    return (
+        f"{used.calls:,} calls, {used.invalid:,} of them with replies that could not be used, "
+        f"{used.input:,} tokens in ({used.cached:,} cached), {used.output:,} out, "
+        f"${used.dollars:.4f}"
+    )
+
+
+def usage_text(
+    usage: Mapping[str, Usage], of_wordings: Mapping[str, Sequence[Estimate]] | None = None
+) -> str:
+    """Returns what models were asked, and earned by wordings, in words; empty if none played."""
     if not usage:
         return ""
-    lines = [
-        f"  {name}: {used.calls:,} calls, {used.invalid:,} of them with replies that could not be "
-        f"used, {used.input:,} tokens in ({used.cached:,} cached), {used.output:,} out, "
-        f"${used.dollars:.4f}"
-        for name, used in usage.items()
-    ]
+    lines = [f"  {name}: {_figures(used)}" for name, used in usage.items()]
+    for name, figures in (of_wordings or {}).items():
+        means = ", ".join(f"{figure.mean:.4g}" for figure in figures)
+        lines.append(f"  {name}: return of an agent by wording of its role: {means}")
     title = (
         "models, each of them one subject: the intervals are over episodes, not over models or "
         "prompts"

@@ -166,6 +166,9 @@ def step(
                     tell(Account(turn, instance.world, world, actions=allowed))
             case _:
                 assert_never(turn)
+    for event in game.events:
+        if event.shown:
+            _show_counts(event, outcome, world)
     for measure in game.measures:
         outcome.measures[measure.name] = _measured(measure, Instance(board, world, allowed))
     world.step += 1
@@ -346,6 +349,20 @@ def _count(counted: Counted, board: Board, outcome: Outcome) -> None:
         index = entry_place(event.by, counted.word)
     counts[index] += counted.amount
     check_int32(counts[index], counted.event)
+
+
+def _show_counts(event: ir.Event, outcome: Outcome, world: World) -> None:
+    """Writes the counts of an event to the field that agents see."""
+    counts: Any = outcome.events[event.name]
+    if event.per_agent:
+        world.agents[event.name] = [_shown(count) for count in counts]
+    else:
+        world.fields[event.name] = _shown(counts)
+
+
+def _shown(counts: Any) -> Value:
+    """Returns a count, or counts by word, as a plane can show them."""
+    return tuple(map(_shown, counts)) if isinstance(counts, list) else min(counts, 255)
 
 
 def _check_places(board: Board, world: World) -> None:

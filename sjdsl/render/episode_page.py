@@ -137,7 +137,8 @@ class Artist:
           `held`: for each agent, [field, picture, amount] of each thing that it has;
           `own`: for each agent, [name, value] of what else it observes of itself;
           `world`: [name, value] of what agents observe of the world;
-          `events`: [name, count of each agent or one count].
+          `events`: [name, count of each agent or one count];
+          `why`: what each agent gave as its reason, if agents were asked.
         """
         look = self.look
         snapshot = moment.snapshot
@@ -170,6 +171,7 @@ class Artist:
             ],
             "world": [[reading.name, reading.text(snapshot)] for reading in look.world],
             "events": [[name, np.asarray(count).tolist()] for name, count in moment.events.items()],
+            "why": list(moment.why),
             "done": moment.done,
         }
 

@@ -66,6 +66,7 @@ class Moment:
     actions: number of each agent's action in that step, `()` at the start of an episode.
     reward: `[N]` float; events: the counts that aren't zero, a number or `[N]`.
     done: whether the episode is over.
+    why: what each agent gave as its reason; empty if none was asked.
     """
 
     snapshot: Snapshot
@@ -73,6 +74,7 @@ class Moment:
     reward: np.ndarray
     events: Mapping[str, np.ndarray]
     done: bool
+    why: tuple[str, ...] = ()
 
 
 def shown_defines(game: ir.Game) -> list[ir.Observable]:

@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, NonNegativeInt, ValidationError
 
 from sjdsl.files import written_whole
 from sjdsl.replay.arrays import FAULTS, TooLarge, array_digest, read_arrays
+from sjdsl.replay.asked import asked_recording
 from sjdsl.replay.episode import Episode, Observation
 from sjdsl.replay.recording import Arguments, Recording, RecordingError, Seed, read_recording
 
@@ -90,6 +91,8 @@ class DatasetWriter:
         }
         if episode.observations is not None:
             arrays["observations"] = episode.observations
+        if episode.why is not None:
+            arrays["why"] = episode.why
         arrays |= {f"events/{name}": count for name, count in episode.events.items()}
         size = sum(array.nbytes for array in arrays.values())
         if size > LARGEST // 2:  # leaves room for the arrays' headers, a few hundred bytes each
@@ -273,7 +276,11 @@ class Dataset:
 
     def recording(self, number: int) -> Recording:
         """Returns an episode as a recording that can be replayed."""
-        return self[number].recording(self.header.environment, self.header.hash)
+        recording = self[number].recording(self.header.environment, self.header.hash)
+        if recording.why is None:
+            return recording
+        players = [self.header.policy] * len(recording.returns)
+        return recording.model_copy(update={"players": players})
 
 
 def _folder_of(number: int) -> str:
@@ -296,6 +303,10 @@ def _is_whole(episode: Episode) -> bool:
             return False
         if observations.dtype != np.uint8:
             return False
+    if episode.why is not None and (
+        episode.why.shape != actions.shape or episode.why.dtype.kind != "U"
+    ):
+        return False
     return all(
         count.shape in ((num_steps, num_agents), (num_steps,)) and count.dtype.kind in "iu"
         for count in episode.events.values()
@@ -303,15 +314,19 @@ def _is_whole(episode: Episode) -> bool:
 
 
 def load_recording(path: Path, episode: int = 0) -> Recording:
-    """Returns an episode of a file that `sjdsl play --record` or `sjdsl record` wrote.
+    """Returns an episode of a file that `sjdsl play --record` or `sjdsl record` wrote, or of the
+    folder of an experiment in which models played.
 
     Args:
       episode: its number in the file, from 0.
 
     Raises:
       RecordingError: there is no such file or episode, or the file holds something else.
+      ModelError: a file of calls is damaged.
     """
-    if path.is_file() and zipfile.is_zipfile(path):
+    if path.is_dir():
+        recording = asked_recording(path, episode)
+    elif path.is_file() and zipfile.is_zipfile(path):
         try:
             recording = Dataset(path).recording(episode)
         except IndexError as error:

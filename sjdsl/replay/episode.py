@@ -19,6 +19,7 @@ class Episode:
     actions: `[T, N]` int32; rewards: `[T, N]` float32, as the game gives them.
     events: counts by name, `[T, N]` or `[T]` int32.
     terminated: whether the rules ended it; truncated: whether its length did.
+    why: `[T, N]` text, what each agent gave as its reason; None if none was asked.
     """
 
     seed: int
@@ -28,6 +29,7 @@ class Episode:
     events: Mapping[str, np.ndarray]
     terminated: bool
     truncated: bool
+    why: np.ndarray | None = None
 
     @property
     def returns(self) -> np.ndarray:
@@ -42,4 +44,5 @@ class Episode:
             seed=self.seed,
             actions=self.actions.tolist(),
             returns=self.returns.tolist(),
+            why=None if self.why is None else self.why.tolist(),
         )

@@ -1,11 +1,13 @@
 """Replays an episode one step at a time: the same seed and actions give the same episode."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
+from jax import Array
 
 from sjdsl.render.moment import Moment
 from sjdsl.render.playing import first_moment, next_moment
@@ -22,6 +24,25 @@ from sjdsl.runtime.env import Environment
 from sjdsl.runtime.episode_keys import EpisodeKeys
 
 
+@dataclass(frozen=True)
+class RecordedKeys:
+    """The keys of one episode as they were recorded: two words for the start and each step."""
+
+    words: Sequence[tuple[int, int]]
+
+    def start(self) -> Array:
+        """Returns the key of the environment's `reset`."""
+        return self._key(0)
+
+    def of_step(self, number: int) -> Array:
+        """Returns the key of a step, by its number from 0."""
+        return self._key(number + 1)
+
+    def _key(self, number: int) -> Array:
+        key: Array = jax.random.wrap_key_data(jnp.array(self.words[number], jnp.uint32))
+        return key
+
+
 class EpisodePlayer:
     """One episode of an environment.
 
@@ -30,11 +51,11 @@ class EpisodePlayer:
       returns: `[N]`; done: whether the episode is over; info: of the last step.
     """
 
-    def __init__(self, env: Environment, seed: int) -> None:
-        """Starts the episode of a seed."""
+    def __init__(self, env: Environment, seed: int, keys: "RecordedKeys | None" = None) -> None:
+        """Starts the episode of a seed, or of other keys."""
         self.env = env
         self.seed = seed
-        self.keys = EpisodeKeys(jax.random.key(seed), jax.random.fold_in)
+        self.keys = keys or EpisodeKeys(jax.random.key(seed), jax.random.fold_in)
         self.observation, self.state = env.reset(self.keys.start())
         self.actions: list[list[int]] = []
         self.returns = np.zeros(env.num_agents)
@@ -90,6 +111,19 @@ class EpisodePlayer:
         )
 
 
+def player_of(recording: Recording, env: Environment) -> EpisodePlayer:
+    """Returns a recorded episode at its start.
+
+    Raises:
+      RecordingError: the environment has other rules or plays other tasks, or an action is invalid.
+    """
+    check_rules(recording, env.hash, env.name)
+    check_tasks(recording, env.game, env.name)
+    check_actions(recording, env.num_agents, env.num_actions)
+    keys = None if recording.keys is None else RecordedKeys(recording.keys)
+    return EpisodePlayer(env, recording.seed, keys)
+
+
 def replayed(recording: Recording, env: Environment) -> Iterator[Moment]:
     """Yields the moments of a recorded episode, the first one included.
 
@@ -97,16 +131,14 @@ def replayed(recording: Recording, env: Environment) -> Iterator[Moment]:
       RecordingError: the environment has other rules or plays other tasks, its episode is shorter,
         an action is invalid, or the returns differ.
     """
-    check_rules(recording, env.hash, env.name)
-    check_tasks(recording, env.game, env.name)
-    check_actions(recording, env.num_agents, env.num_actions)
-    player = EpisodePlayer(env, recording.seed)
+    player = player_of(recording, env)
     yield player.now()
-    for actions in recording.actions:
+    for number, actions in enumerate(recording.actions):
         if player.done:
             raise RecordingError(
                 f"the episode ends after {len(player.actions)} steps, but "
                 f"{len(recording.actions)} were recorded"
             )
-        yield player.step(actions)
+        why = () if recording.why is None else tuple(recording.why[number])
+        yield replace(player.step(actions), why=why)
     check_returns(recording, player.returns.tolist())

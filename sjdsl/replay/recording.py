@@ -34,6 +34,7 @@ class Arguments(BaseModel):
 
 
 Seed = Annotated[int, Field(ge=0, lt=2**63)]
+Word = Annotated[int, Field(ge=0, lt=2**32)]
 
 
 class Recording(BaseModel):
@@ -43,6 +44,8 @@ class Recording(BaseModel):
     hash: of the rules, which a replay has to have.
     actions: for each step, the number of each agent's action; returns: of each agent, to check a
     replay. players: who played each agent, by the names of policies, `you` for a person.
+    keys: two words for the start and for each step; without them those of the seed are used.
+    why: for each step, what each agent gave as its reason.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -54,12 +57,17 @@ class Recording(BaseModel):
     actions: list[list[int]]
     returns: list[float]
     players: list[str] | None = None
+    keys: list[tuple[Word, Word]] | None = None
+    why: list[list[str]] | None = None
+
+
+OPTIONAL = ("players", "keys", "why")  # left out of a file if they aren't known
 
 
 def save_recording(recording: Recording, path: Path) -> None:
     """Writes the file of an episode, whole or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    unknown = {"players"} if recording.players is None else set()
+    unknown = {name for name in OPTIONAL if getattr(recording, name) is None}
     write_whole(path, json.dumps(recording.model_dump(exclude=unknown)) + "\n")
 
 
@@ -135,7 +143,13 @@ def check_rules(recording: Recording, game_hash: str, name: str) -> None:
 
 
 def check_actions(recording: Recording, num_agents: int, num_actions: int) -> None:
-    """Raises RecordingError if a step lacks one valid action for each agent."""
+    """Raises RecordingError if a step lacks one valid action for each agent, a reason or a key."""
+    steps = len(recording.actions)
+    are_whole = recording.why is None or list(map(len, recording.why)) == [num_agents] * steps
+    if not are_whole or (recording.keys is not None and len(recording.keys) != steps + 1):
+        raise RecordingError(
+            f"the reasons or the keys of the episode aren't those of {steps} steps"
+        )
     for number, actions in enumerate(recording.actions, 1):
         if len(actions) != num_agents or not all(0 <= action < num_actions for action in actions):
             raise RecordingError(

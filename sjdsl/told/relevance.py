@@ -1,9 +1,13 @@
-"""The rules that can matter to a player: what only counts events or feeds metrics is left out."""
+"""The rules that can matter to a player: what only feeds metrics, or counts events that agents don't
+see, is left out.
+"""
 
 from dataclasses import dataclass
+from functools import partial
 from typing import assert_never
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.diagnostics.tree import rewrite
 from sjdsl.compiler.ir.queries import beginning_phases, written_field, written_keys
 from sjdsl.compiler.lower.cell_appearance import seen_marks
 
@@ -28,6 +32,7 @@ class Relevant:
 def relevant(game: ir.Game) -> Relevant:
     """Returns what of a game can matter to a player."""
     game = game.model_copy(update={"checks": (), "measures": (), "policies": (), "scenarios": ()})
+    game = rewrite(game, partial(_without_unseen, {e.name for e in game.events if e.shown}))
     outside = (*game.observables, *game.hidden, *game.agents.forbids, *game.agents.blocks)
     blocks = [block for kind in game.kinds for block in kind.blocks]
     read: set[FieldName] = set()
@@ -45,6 +50,11 @@ def relevant(game: ir.Game) -> Relevant:
             return Relevant(pruned, frozenset(read))
         read = found
         pruned = _pruned_game(game, read, marking)
+
+
+def _without_unseen(seen: set[str], node: ir.Node) -> ir.Node | tuple[()]:
+    """Returns a node, but nothing for a `tally` of an event that agents don't see."""
+    return () if isinstance(node, ir.Tally) and node.event not in seen else node
 
 
 def _pruned_game(game: ir.Game, read: set[FieldName], marking: set[str]) -> ir.Game:
@@ -115,14 +125,19 @@ class _Pruner:
                 nodes = (node for later in after for node in ir.walk(later))
                 is_read = any(isinstance(n, ir.Local) and n.name == s.name for n in nodes)
                 return s if is_read else None
-            case ir.Tally():
-                return None
             case ir.Mark():
                 return s if self.marks else None
             case ir.Set() | ir.Add():
                 return s if _names(written_field(s.target)) & self.read else None
             case (
-                ir.Give() | ir.Send() | ir.Shift() | ir.Face() | ir.Remove() | ir.Move() | ir.End()
+                ir.Give()
+                | ir.Tally()
+                | ir.Send()
+                | ir.Shift()
+                | ir.Face()
+                | ir.Remove()
+                | ir.Move()
+                | ir.End()
             ):
                 return s
             case ir.Each() | ir.First() | ir.Match():

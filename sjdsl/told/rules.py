@@ -398,6 +398,8 @@ class _Player:
             notes.append(
                 "what is added to a number in one stage is summed first, then kept within its limits"
             )
+        if self._all(ir.Tally):
+            notes.append("counts begin at 0 in each step; above 255 they stay at 255")
         if self._all(ir.Chance, ir.Draw):
             notes.append(
                 'what is drawn is drawn anew each time, and where it says "each", for each one by itself'

@@ -57,7 +57,7 @@ class Speaker:
             case ir.Give():
                 return [self._give(s)]
             case ir.Tally():
-                return []  # what is counted is the experimenter's
+                return [self._tally(s)]
             case ir.Send():
                 return [self._send(s)]
             case ir.Shift():
@@ -239,6 +239,15 @@ class Speaker:
         else:
             who = self._text(s.receiver)
         return Line(f"{who} gets a reward of {self._text(s.value)}")
+
+    def _tally(self, s: ir.Tally) -> Line:
+        word = "" if s.word is None else f"[{self._text(s.word)}]"
+        whose = ""
+        if s.receiver is not None:
+            each = "each agent among " if s.receiver.type.kind == "agents" else ""
+            whose = f" for {each}{self._text(s.receiver)}"
+        times = "" if s.amount is None else f", {self._text(s.amount)} times"
+        return Line(f"{s.event}{word} is counted{whose}{times}")
 
     def _send(self, s: ir.Send) -> Line:
         who = self._text(s.who)

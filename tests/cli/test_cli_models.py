@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from command_line import Sjdsl
 
-from sjdsl.replay import load_recording
+from sjdsl.replay import Dataset, load_recording
 from tests.models.server import Server, serving
 
 MATRIX = Path(__file__).parents[1] / "experiments/games/matrix_game.sj"
@@ -65,6 +65,38 @@ def test_a_schelling_diagram_of_models(folder: Path, sjdsl: Sjdsl, server: Serve
     asked = len(server.requests)
     assert sjdsl(*SCHELLING).status == 0
     assert len(server.requests) == asked  # all is recorded
+    status = sjdsl(*SCHELLING, "--status").out
+    assert "out: 48 calls, of at most 48\n" in status
+    assert "  luna+defector, trial 0: 24 calls, 0 of them" in status
+    # Cooperators earn (0 + 12 + 12) / 3 on average, with each wording of their role.
+    earned = [figure["mean"] for figure in report["wordings"]["models.toml:luna+cooperator"]]
+    assert earned == [pytest.approx(6)] * 2
+    assert len(server.requests) == asked
+
+
+@pytest.mark.usefixtures("server")
+def test_episodes_of_an_experiment_are_replayed(folder: Path, sjdsl: Sjdsl) -> None:
+    """With the draws of `random` beside a model, and the reasons and messages of the model."""
+    slots = ("--slots", "models.toml:luna+defector,random")
+    assert sjdsl("crossplay", str(MATRIX), *slots, "--episodes", "3", "-o", "out").status == 0
+    (header, *rows) = (folder / "out/crossplay.csv").read_text().splitlines()
+    titles = header.split(",")
+    table = [dict(zip(titles, row.split(",")[-len(titles) :], strict=True)) for row in rows]
+    assert [row["server_model"] for row in table] == ["luna-2026", ""] * 3
+    assert [row["wording"] for row in table] == ["0", "", "1", "", "0", ""]
+    assert {row["calls"] for row in table} == {"4", ""}
+    replay = ("replay", "out", "--game", str(MATRIX))
+    for episode in range(3):  # a replay is refused if its returns aren't those of the episode
+        shown = sjdsl(*replay, "--episode", str(episode))
+        assert "0 models.toml:luna+defector: my part" in shown.out, shown.text
+    film = sjdsl(*replay, "-o", "film.html")
+    assert film.status == 0, film.text
+    assert '"why":["my part",""]' in (folder / "film.html").read_text()
+    told = sjdsl(*replay, "--episode", "1", "--messages").out
+    assert told.count("---- to agent 0 before step ") == 4
+    assert "What counts for you is your own part of the rewards" in told  # the second wording
+    assert told.count("YOUR LAST REWARD") == 3
+    assert "has 3 finished ones" in sjdsl(*replay, "--episode", "3").text
 
 
 def test_a_dry_run_asks_nobody(folder: Path, sjdsl: Sjdsl, server: Server) -> None:
@@ -174,6 +206,10 @@ def test_models_are_recorded_and_drawn(folder: Path, sjdsl: Sjdsl, server: Serve
     assert len(server.requests) == 24
     recording = load_recording(folder / "played.npz", 2)
     assert recording.actions == [[1, 1]] * 4
+    assert recording.why == [["my part"] * 2] * 4
+    assert Dataset(folder / "played.npz")[1].why.shape == (4, 2)
+    told = sjdsl("replay", "played.npz", "--messages", "--agent", "1").out
+    assert told.count("---- to agent 1 before step ") == 4 == told.count("---- to agent ")
     assert sjdsl("replay", "played.npz", "--episode", "1").status == 0
     drawn = sjdsl("render", str(MATRIX), *names, "--steps", "3", "-o", "film.html")
     assert drawn.status == 0, drawn.text

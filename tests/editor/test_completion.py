@@ -48,6 +48,7 @@ def inside(statement: str) -> str:
         ("each agent as a { mark | }", {"beam", "disc"}, {"a"}),
         ("each tree where tree.fruit is |", {"none", "ripe", "not"}, {"walk"}),
         ("each agent { tally |", {"eaten", "hits", "given"}, {"ripe_trees"}),
+        ("observe { show event |", {"eaten", "hits", "given"}, {"ripe_trees"}),
         (
             "each agent { give | to agent }",
             {"apple", "agent", "ready", "step", "min"},

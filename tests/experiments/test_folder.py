@@ -28,12 +28,13 @@ def played(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, ...]]:
     done: list[tuple[str, ...]] = []
 
     def table(*_: Any) -> Any:
-        def play(_: Any, lineup: Any, order: np.ndarray, *_asking: Any) -> Evaluation:
+        def play(_: Any, lineup: Any, order: np.ndarray, *_asking: Any) -> tuple[Evaluation, None]:
             done.append(tuple(player.name for player in lineup))
             returns = np.arange(order.size, dtype=np.float32).reshape(order.shape) + len(
                 set(lineup)
             )
-            return Evaluation(returns, np.full(len(order), 4, np.int32), {}, {}, {})
+            played = Evaluation(returns, np.full(len(order), 4, np.int32), {}, {}, {})
+            return played, None
 
         return play
 

@@ -66,7 +66,7 @@ def test_both_loops_play_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
     def on_host(*arguments: Any) -> Any:
         play = make_host_evaluator(*arguments)
-        return lambda key, parameters: play(key, parameters, nobody)
+        return lambda key, parameters: play(key, parameters, nobody)[0]
 
     monkeypatch.setattr(stacks, "make_evaluator", on_host)
     hosted = cross_play(env, slots=lineup, episodes=5, seed=3)

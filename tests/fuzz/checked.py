@@ -118,6 +118,9 @@ def observe(w: World) -> list[Lines]:
             )
             labels = "" if whole else f" as {{ {_labels(w, '', LABELS)} }}"
             lines.append(_perhaps_when(w, "", f"show {name}{labels}"))
+    lines += [
+        f"show event {event.name}" for event in w.events[:1]
+    ]  # no draw, so that the rest stays
     whole = [name for name in w.kinds if w.is_now(0.15)]
     looks = [name for name, kind in w.kinds.items() if name in whole or not kind.fields]
     for name in whole:

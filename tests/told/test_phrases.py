@@ -86,6 +86,18 @@ SENTENCES = {
 }
 
 
+def test_an_event_is_told_where_agents_see_it() -> None:
+    rule = "each agent { tally counted by 2 for agent.friends }"
+    text = FRAME % rule
+    assert "is counted" not in told(build(Source("one.sj", text)).game)
+    shown = told(build(Source("one.sj", text.replace("show agent.bag", "show event counted"))).game)
+    assert (
+        "Each agent: counted is counted for each agent among the agent's friends, 2 times.\n"
+        in shown
+    )
+    assert "- agent.counted: 0 to 255\n" in shown
+
+
 @pytest.mark.parametrize("rule", SENTENCES)
 def test_a_rule_in_english(rule: str) -> None:
     text = told(build(Source("one.sj", FRAME % rule)).game)

@@ -91,6 +91,17 @@ class Chooser(Protocol):
         ...
 
 
+@dataclass
+class Tape:
+    """What replays E episodes, step by step; nothing is cut off after an episode's end.
+
+    keys: `[E, 2]` uint32 of the resets, then of each step; actions: `[E, N]` int32 of each step.
+    """
+
+    keys: list[np.ndarray] = field(default_factory=list)
+    actions: list[np.ndarray] = field(default_factory=list)
+
+
 def make_evaluator(
     env: Environment,
     policy_of: Callable[[Any], Policy],
@@ -120,7 +131,7 @@ def make_evaluator(
             return key, _advance(env, policy, step_key, episodes, None)[0]
 
         reset_key, key = jax.random.split(key)
-        start = _start(env, policy, reset_key, num_episodes, memory_of and memory_of(parameters))
+        start, _ = _start(env, policy, reset_key, num_episodes, memory_of and memory_of(parameters))
         _, end = jax.lax.while_loop(is_running, advance, (key, start))
         return end.sums
 
@@ -132,21 +143,21 @@ def make_host_evaluator(
     policy_of: Callable[[Any], Policy],
     num_episodes: int,
     memory_of: Callable[[Any], Any] | None = None,
-) -> Callable[[Array, Any, Chooser], Evaluation]:
+) -> Callable[[Array, Any, Chooser], tuple[Evaluation, Tape]]:
     """Returns `make_evaluator` as a loop in Python, which asks a chooser before each step.
 
     With a chooser that leaves all agents to the policy, it plays the same actions and states.
     """
 
     @jax.jit
-    def start(key: Array, parameters: Any) -> _Episodes:
+    def start(key: Array, parameters: Any) -> tuple[_Episodes, Array]:
         policy = with_memory(policy_of(parameters))
         return _start(env, policy, key, num_episodes, memory_of and memory_of(parameters))
 
     @jax.jit
     def advance(
         parameters: Any, key: Array, episodes: _Episodes, chosen: Array
-    ) -> tuple[_Episodes, tuple[Array, Array]]:
+    ) -> tuple[_Episodes, tuple[Array, Array, Array, Array]]:
         return _advance(env, with_memory(policy_of(parameters)), key, episodes, chosen)
 
     @jax.jit
@@ -157,18 +168,25 @@ def make_host_evaluator(
             return allowed
         return jnp.ones((num_episodes, env.num_agents, env.num_actions), bool)
 
-    def evaluate_parameters(key: Array, parameters: Any, chooser: Chooser) -> Evaluation:
+    def evaluate_parameters(
+        key: Array, parameters: Any, chooser: Chooser
+    ) -> tuple[Evaluation, Tape]:
         reset_key, key = jax.random.split(key)
-        episodes = start(reset_key, parameters)
+        episodes, reset_keys = start(reset_key, parameters)
+        tape = Tape([np.asarray(reset_keys)])
         over = np.zeros(num_episodes, bool)
         while not over.all():
             seen = np.asarray(episodes.observation)
             chosen = chooser.choose(seen, np.asarray(allowed_in(episodes.state)), over)
             key, step_key = jax.random.split(key)
-            episodes, (reward, ended) = advance(parameters, step_key, episodes, chosen)
+            episodes, (reward, ended, actions, keys) = advance(
+                parameters, step_key, episodes, chosen
+            )
             over = np.asarray(episodes.over)
             chooser.learn(np.asarray(reward), np.asarray(ended), over)
-        return _evaluation(episodes.sums)
+            tape.actions.append(np.asarray(actions))
+            tape.keys.append(np.asarray(keys))
+        return _evaluation(episodes.sums), tape
 
     return evaluate_parameters
 
@@ -198,50 +216,62 @@ class _Episodes:
 
 def _start(
     env: Environment, policy: MemoryPolicy, key: Array, num_episodes: int, memory: Any
-) -> _Episodes:
-    """Returns the episodes before their first step; `memory` None: as the policy starts."""
-    observation, state = jax.vmap(env.reset)(jax.random.split(key, num_episodes))
-    return _Episodes(
+) -> tuple[_Episodes, Array]:
+    """Returns the episodes before their first step, and the data `[E, 2]` of their resets' keys.
+
+    Args:
+      memory: None: as the policy starts.
+    """
+    reset_keys = jax.random.split(key, num_episodes)
+    words = jax.random.key_data(reset_keys)
+    observation, state = jax.vmap(env.reset)(reset_keys)
+    episodes = _Episodes(
         state=state,
         observation=observation,
         memory=policy.starts(num_episodes) if memory is None else memory,
         sums=zero_sums(env, num_episodes),
         over=jnp.zeros(num_episodes, bool),
     )
+    return episodes, words
 
 
 def _advance(
     env: Environment, policy: MemoryPolicy, key: Array, before: _Episodes, chosen: Array | None
-) -> tuple[_Episodes, tuple[Array, Array]]:
+) -> tuple[_Episodes, tuple[Array, Array, Array, Array]]:
     """Plays one step of all episodes; those that are over stay as they are.
 
     Args:
       chosen: `[E, N]` int32, actions that replace the policy's where they aren't negative.
     Returns:
-      the episodes afterwards, and of the step the rewards `[E, N]` and whether it ended a trial,
-      `[E]` bool.
+      the episodes afterwards, and of the step the rewards `[E, N]`, whether it ended a trial,
+      `[E]` bool, the actions `[E, N]` int32 and the data of the keys, `[E, 2]`.
     """
 
     def play_step(
         key: Array, state: Any, memory: Any, observation: Array, chosen: Array | None
-    ) -> tuple[Any, tuple[Array, Any, Array, Array, dict[str, Any]]]:
-        """Plays one step of one episode; returns the policy's memory and what the step gave."""
+    ) -> tuple[Any, Array, Array, tuple[Array, Any, Array, Array, dict[str, Any]]]:
+        """Plays one step of one episode.
+
+        Returns the policy's memory, the actions, the data of the step's key and what it gave.
+        """
         action_key, env_key = jax.random.split(key)
         memory, actions = take_actions(env, policy, memory, action_key, observation, state)
         if chosen is not None:
             actions = jnp.where(chosen >= 0, chosen, actions)
+        words = jax.random.key_data(env_key)
         stepped = env.step_env(env_key, state, actions)
         _, _, reward, _, info = stepped
-        return policy.after_step(memory, actions, reward, info), stepped
+        return policy.after_step(memory, actions, reward, info), actions, words, stepped
 
     keys = jax.random.split(key, len(before.over))
-    memory, stepped = jax.vmap(play_step)(
+    memory, actions, words, stepped = jax.vmap(play_step)(
         keys, before.state, before.memory, before.observation, chosen
     )
     observation, state, reward, done, info = stepped
     sums = add_step(before.sums, reward, reward, info)
     after = _Episodes(state, observation, memory, sums, done)
-    return where_env(before.over, before, after), (reward, trial_ended(info))
+    step = (reward, trial_ended(info), actions, words)
+    return where_env(before.over, before, after), step
 
 
 def summarise(evaluation: Evaluation) -> dict[str, Estimate]:

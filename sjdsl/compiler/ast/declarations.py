@@ -276,6 +276,10 @@ class Show(Node):
     condition: Expr | None
 
 
+class ShowEvent(Node):
+    name: Name
+
+
 class Hide(Node):
     """`on`: a kind, a group or `agents`: only there."""
 
@@ -285,7 +289,7 @@ class Hide(Node):
 
 
 class Observe(Node):
-    observables: tuple[Window | Show | Hide, ...]
+    observables: tuple[Window | Show | ShowEvent | Hide, ...]
 
 
 class Paint(Node):

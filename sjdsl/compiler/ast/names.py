@@ -183,7 +183,7 @@ def names_of(files: Iterable[ast.File]) -> Names:
 # counts where it doesn't.
 USES: dict[type[Node], tuple[Space, ...]] = {
     ast.Path: ("name", "word", "metric"), ast.Call: ("name",), ast.Member: ("field", "argument"), ast.Domain: ("name",),
-    ast.On: ("name",), ast.Chosen: ("action",), ast.ShapeRef: ("shape",), ast.Turn: ("phase",),
+    ast.On: ("name",), ast.Chosen: ("action",), ast.ShapeRef: ("shape",), ast.Turn: ("phase",), ast.ShowEvent: ("metric",),
 }  # fmt: skip
 
 

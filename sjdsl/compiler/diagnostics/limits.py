@@ -41,7 +41,7 @@ CHAINS = ("sum", "prod", "expr", "and_e")
 STATEMENTS = frozenset((  # rules of the grammar that count as statements
     "cite", "about", "size", "param", "episode", "task", "task_field", "train_on", "hold_out", "kind", "group", "field", "timer", "map", "agents",
     "movers", "shape", "define", "schedule", "phase", "observe", "look", "metrics", "checks",
-    "variant", "override", "drop", "glyph", "blocks", "acts", "moves", "forbid", "window", "show",
+    "variant", "override", "drop", "glyph", "blocks", "acts", "moves", "forbid", "window", "show", "show_event",
     "hide", "event", "mean", "final", "require", "always", "once", "conserved", "monotone",
     "symmetric", "expect", "let", "draw", "each", "pick", "first", "match", "when", "chance", "set",
     "add", "give", "tally", "send", "shift", "remove", "move", "mark", "end", "scripted", "act",

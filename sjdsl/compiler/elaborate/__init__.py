@@ -28,6 +28,7 @@ from sjdsl.compiler.elaborate.policies import policies, scenarios
 from sjdsl.compiler.elaborate.possible import know_steps, report_never
 from sjdsl.compiler.elaborate.schedule import schedule, start, starting
 from sjdsl.compiler.elaborate.scope import Scope, Static
+from sjdsl.compiler.elaborate.shown_events import with_shown_events
 from sjdsl.compiler.elaborate.tasks import check_not_told, task
 from sjdsl.compiler.elaborate.trials import episode
 from sjdsl.compiler.elaborate.window import window
@@ -133,7 +134,7 @@ def elaborate(
         policy_shapes=policy_shapes,
         scenarios=typed_scenarios,
     )
-    return typed, static
+    return with_shown_events(game, typed, scope), static
 
 
 def _policies_and_shapes(

@@ -82,15 +82,21 @@ def give(s: ast.Give, scope: Scope) -> ir.Stmt:
     return ir.Give(value=value, receiver=None, but=but, origin=s.span)
 
 
+def declared_event(name: ast.Name, scope: Scope) -> ast.Event:
+    """Returns the event of a name; reports one that no `metrics` declare."""
+    static = scope.static
+    if name.text not in static.events:
+        meant = near(name.text, static.events)
+        raise scope.fail(errors.NoEvent(name.span, name=name.text, near=meant))
+    static.refer(name, Symbol("metric", name.text))
+    return static.events[name.text]
+
+
 def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
     """Returns a typed `tally`."""
     static = scope.static
     name = s.event.name
-    event = static.events.get(name.text)
-    if event is None:
-        meant = near(name.text, static.events)
-        raise scope.fail(errors.NoEvent(name.span, name=name.text, near=meant))
-    static.refer(name, Symbol("metric", name.text))
+    event = declared_event(name, scope)
     steps = s.event.steps
     entry = None
     if event.by is not None:

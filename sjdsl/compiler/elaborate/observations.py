@@ -1,6 +1,6 @@
 """Elaborates `show` and `hide`: what agents see, in a fixed order, and what is hidden."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import chain
 
 from sjdsl.compiler import ast, ir
@@ -48,6 +48,8 @@ def observables(
     shown: set[Key] = set()
     broken_kinds: set[str] = set()  # kinds of which something is shown or hidden with a mistake
     for observable in game.observables.values():
+        if isinstance(observable, ast.ShowEvent):
+            continue
         kinds = set(static.kinds_of(observable.what.name.text) or ()) - broken_kinds
         broken_kinds |= kinds
         with scope.problems.skip_if_broken():
@@ -61,7 +63,7 @@ def observables(
     _drop_fields_of_whole(whole, seen, rules, scope)
     _check_labels_of_whole(whole, seen, broken_kinds, scope)
     in_order = sorted(seen.values(), key=lambda observable: ORDER.index(observable.what))
-    return tuple(chain.from_iterable(map(_entries, in_order)))
+    return planes_of_rows(in_order)
 
 
 def _seen_by_default(static: Static) -> dict[Key, ir.Observable]:
@@ -84,7 +86,7 @@ def _seen_by_default(static: Static) -> dict[Key, ir.Observable]:
 def _check_shown_as_whole(whole: set[str], game: Composition, scope: Scope) -> None:
     """Reports fields that are shown, or hidden under a condition, of kinds shown as a whole."""
     for observable in game.observables.values():
-        if not observable.what.steps:
+        if isinstance(observable, ast.ShowEvent) or not observable.what.steps:
             continue
         if isinstance(observable, ast.Hide) and observable.condition is None:
             continue
@@ -139,6 +141,11 @@ def _check_labels_of_whole(
                     f"`show {label.name} as {{ … }}` how its cells look",
                 )
                 scope.problems.add(wrong)
+
+
+def planes_of_rows(seen: Iterable[ir.Observable]) -> tuple[ir.Observable, ...]:
+    """Returns what is seen with a plane for each entry of a row."""
+    return tuple(chain.from_iterable(map(_entries, seen)))
 
 
 def _entries(observable: ir.Observable) -> list[ir.Observable]:

@@ -168,11 +168,12 @@ class Tick(TurnNode):
 
 
 class Event(Node):
-    """`per_agent`: every tally of it names a receiver."""
+    """`per_agent`: every tally of it names a receiver. `shown`: a field of its name, of agents or the world, holds the count of the last step, 255 at most."""
 
     name: str
     by: Annotated[Level, INSTANCE] | None = None
     per_agent: bool
+    shown: bool = False
 
 
 class Measure(Node):

@@ -113,7 +113,7 @@ HASHED: dict[type[ir.Node | ir.Type], str] = {
     ir.Task: "task draw train_on hold_outs",
     ir.TrainOn: "train_on number seed",
     ir.HoldOut: "hold_out condition",
-    ir.Event: "event name by",
+    ir.Event: "event name by shown",
     ir.Measure: "measure name mean value",
     ir.Label: "label name condition",
     ir.Observable: "observable what kind field word type value labels hidden_when shown_when",

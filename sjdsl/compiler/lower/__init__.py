@@ -15,7 +15,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.ir.hash import game_hash
-from sjdsl.compiler.ir.names import attribute_name
+from sjdsl.compiler.ir.names import attribute_name, param_attribute
 from sjdsl.compiler.ir.queries import (
     all_fields,
     beginning_phases,
@@ -23,7 +23,8 @@ from sjdsl.compiler.ir.queries import (
     marking_phases,
     view_size,
 )
-from sjdsl.compiler.lower import expressions
+from sjdsl.compiler.ir.sorts import AGENTS
+from sjdsl.compiler.lower import expressions, state_reads
 from sjdsl.compiler.lower.allowed_actions import NUM_ACTIONS, READING, allowed_actions
 from sjdsl.compiler.lower.assignments import fields_of_several_lots
 from sjdsl.compiler.lower.assignments import finish as finish_writes
@@ -53,6 +54,7 @@ from sjdsl.compiler.lower.writer import Module, Writer, replaced
 from sjdsl.compiler.program import Constant, Fact, Field, Function, Group, Number, Program
 from sjdsl.compiler.program.expressions import (
     DTYPES,
+    Cast,
     Expression,
     Literal,
     Name,
@@ -302,6 +304,9 @@ def _step(turns: list[Turn], module: Module) -> Function:
         w.unpack(results, call(turn.function.name, *arguments))
         if turn.marks:
             w.set(STATE, replaced("state", {turn.marks: marked}))
+    counts = _shown_counts(w)
+    if counts:
+        w.set(STATE, replaced("state", counts))
     w.give_back(STATE, OUT)
     doc = (
         "Returns the state after one step and what it yielded. "
@@ -309,6 +314,19 @@ def _step(turns: list[Turn], module: Module) -> Function:
     )
     parameters = (("state", "State"), ("actions", "Array"), ("params", "Params"), ("key", "Array"))
     return Function("step", parameters, "tuple[State, Outcome]", doc, live(w.body))
+
+
+def _shown_counts(w: Writer) -> dict[str, Expression]:
+    """Returns the counts of the step by the attribute of State that agents see."""
+    game = w.module.game
+    counts: dict[str, Expression] = {}
+    shown = {(event.name, event.per_agent) for event in game.events if event.shown}
+    for field in (*game.agents.fields, *game.fields):
+        if (field.name, field.held_by == AGENTS) in shown:
+            count = path(f"out.event_{param_attribute(field.name)}")
+            most = call("jnp.minimum", count, int(field.type.high))
+            counts[attribute_name(field)] = Cast(most, state_reads.storage(field, w))
+    return counts
 
 
 def _phase(phase: ir.Phase, pools: tuple[Pool, ...], module: Module) -> Function:

@@ -196,6 +196,7 @@ RULES: dict[str, Build] = NODES | {
     "show": lambda span, what, observer, *items: ast.Show(
         span, what, observer, items[:-1], items[-1]
     ),
+    "show_event": node(ast.ShowEvent),
     "look": look,
     "mean": lambda span, name, value: ast.Measure(span, True, name, value),
     "final": lambda span, name, value: ast.Measure(span, False, name, value),

@@ -34,6 +34,7 @@ async function showEpisode(root, data) {
     find("world").textContent = moment.world.map(([name, value]) => `${name} ${value}`).join(" · ");
     rows.forEach((row, agent) => row(moment, agent));
     find("events").textContent = moment.events.map(([name, count]) => describeEvent(name, count)).join(" · ");
+    find("why").replaceChildren(...moment.why.flatMap((text, agent) => (text ? [reasonOf(text, agent)] : [])));
     moveCursor(number);
   }
 
@@ -106,6 +107,12 @@ function havings(data, moment, agent) {
   }
   const own = moment.own[agent].map(([name, value]) => `${name} ${value}`).join(", ");
   return own ? [...parts, parts.length ? ` ${own}` : own] : parts;
+}
+
+function reasonOf(text, agent) {
+  const line = document.createElement("li");
+  line.textContent = `agent ${agent}: ${text}`;
+  return line;
 }
 
 function fillLegend(place, data) {
