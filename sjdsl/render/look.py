@@ -285,8 +285,8 @@ def _cell_fields_in(label: ir.Node) -> set[tuple[str, str]]:
     fields: set[tuple[str, str]] = set()
     for node in ir.walk(label):
         if isinstance(node, ir.FieldRead) and isinstance(node.owner, ir.Member):
-            if node.owner.sort.what == "cell":
-                fields |= {(kind, node.name) for kind in node.owner.sort.names}
+            if node.owner.entity_type.what == "cell":
+                fields |= {(kind, node.name) for kind in node.owner.entity_type.names}
     return fields
 
 
@@ -468,7 +468,7 @@ def _make_field_look(
             words = field.type.words
             tints = tint_colours(words)
             has_few_tints = len({*tints[1:]}) < len(words) - 1
-            is_set = _is_set(game, ir.Sort("cell", (kind,)), field.name)
+            is_set = _is_set(game, ir.EntityType("cell", (kind,)), field.name)
             is_shape = tinted or has_few_tints or is_set
             return FieldLook(
                 field.name,
@@ -551,7 +551,7 @@ def _possessions(fields: Sequence[ir.VarField], game: ir.Game) -> Iterator[Field
         if field.type.kind in ("int", "real") and levels == ["word"]:
             words = field.type.indexed_by[0].names
             as_words = ir.Type(kind="word", words=("nothing", *words))
-            things = ir.VarField(name=field.name, held_by=ir.Sort("agent"), type=as_words)
+            things = ir.VarField(name=field.name, held_by=ir.EntityType("agent"), type=as_words)
             _, *pictures = usual_words(things, False)
             yield FieldLook(
                 field.name,
@@ -596,7 +596,7 @@ def _colour_field(game: ir.Game) -> ir.VarField | None:
         is_word = field.type.kind == "word" and not field.type.indexed_by and len(words) > 1
         if is_word and len({*colours_of(words)}) == len(words):  # else roles would look alike
             fields.append(field)
-    agent = ir.Sort("agent")
+    agent = ir.EntityType("agent")
     lasting = [
         field
         for field in fields
@@ -608,7 +608,7 @@ def _colour_field(game: ir.Game) -> ir.VarField | None:
     return best[0] if best else None
 
 
-def _is_set(rules: ir.Node, owner: ir.Sort, name: str) -> bool:
+def _is_set(rules: ir.Node, owner: ir.EntityType, name: str) -> bool:
     """Returns whether some of the rules set a field.
 
     A field of a kind that no rule sets is part of the landscape.

@@ -7,9 +7,9 @@ from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.scope import Static
+from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.names import STATE, state_names
-from sjdsl.compiler.ir.queries import all_fields, body_sort, phases_of, sets
-from sjdsl.compiler.ir.sorts import AGENTS
+from sjdsl.compiler.ir.queries import all_fields, body_type, phases_of, sets
 from sjdsl.runtime.actions import MOVES
 
 
@@ -37,7 +37,7 @@ def check_timers(game: ir.Game, composition: Composition, problems: Problems) ->
     """Reports a missing, doubled or needless `tick`, and timers set on both sides of it."""
     timers = [field for field in all_fields(game) if field.timer]
     away = [
-        body_sort(n.who) for n in ir.walk(game) if isinstance(n, ir.Send) and n.after is not None
+        body_type(n.who) for n in ir.walk(game) if isinstance(n, ir.Send) and n.after is not None
     ]
     ticks = [place for place, turn in enumerate(game.schedule) if isinstance(turn, ir.Tick)]
     assert composition.schedule is not None
@@ -122,20 +122,20 @@ def _check_names(
                     "the field",
                     f"{kind.name}.{declared.name}",
                 )
-    for sort in game.movers:
+    for movers in game.movers:
         check_used(
-            Symbol("name", sort.name),
-            composition.movers[sort.name].name.span,
+            Symbol("name", movers.name),
+            composition.movers[movers.name].name.span,
             "the sort of movers",
-            sort.name,
+            movers.name,
         )
-        for declared in sort.fields:
+        for declared in movers.fields:
             if declared.name != "heading":
                 check_used(
-                    Symbol("field", declared.name, sort.name),
+                    Symbol("field", declared.name, movers.name),
                     declared.span,
                     "the field",
-                    f"{sort.name}.{declared.name}",
+                    f"{movers.name}.{declared.name}",
                 )
     for name, constant in composition.constants.items():
         help_ = (

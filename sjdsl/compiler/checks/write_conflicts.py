@@ -20,7 +20,7 @@ from sjdsl.compiler.ir.free_variables import free_variables, renamed
 from sjdsl.compiler.ir.implications import Fact, conjuncts, contradict, facts, narrowed
 from sjdsl.compiler.ir.printer import expression_text as text
 from sjdsl.compiler.ir.queries import (
-    body_sort,
+    body_type,
     cell_under_all,
     contains,
     declared_field,
@@ -272,13 +272,15 @@ def _place_writes(
     s: ir.Send | ir.Shift | ir.Remove, value: Form, depends: frozenset[str], around: Around
 ) -> Iterator[Write]:
     """Yields the writes of a place: of `send`, `shift` and `remove`."""
-    sort = body_sort(s.who)
+    entity_type = body_type(s.who)
     rest = (around.quantifiers, around.branches, around.facts)
-    yield Write("place", Target("place", sort.name), (), s.who, value, depends, s, *rest)
+    yield Write("place", Target("place", entity_type.name), (), s.who, value, depends, s, *rest)
     if isinstance(s, ir.Remove) or s.facing == "same":
         return
-    if sort.what == "mover":  # the heading of a mover is a field
-        yield Write("set", Target("mover", "heading"), sort.names, s.who, value, depends, s, *rest)
+    if entity_type.what == "mover":  # the heading of a mover is a field
+        yield Write(
+            "set", Target("mover", "heading"), entity_type.names, s.who, value, depends, s, *rest
+        )
     elif around.turns_agents:
         yield Write("set", Target("agent", "heading"), (), s.who, value, depends, s, *rest)
 
@@ -359,7 +361,7 @@ def _is_of_one_agent(quantifier: Quantifier, known: tuple[Fact, ...]) -> bool:
     """Returns whether all that is known leaves one agent, or one mover, to an `each`."""
     if (
         not isinstance(quantifier.statement, ir.Each)
-        or quantifier.statement.domain.var.sort.what == "cell"
+        or quantifier.statement.domain.var.entity_type.what == "cell"
     ):
         return False
     if cell_under_all(quantifier.statement.domain) is not None:

@@ -26,7 +26,7 @@ NOWHERE = "nowhere"  # no cell; where a field has a word `nowhere`, that word
 
 def is_member(e: ir.Expr, what: Literal["agent", "mover", "cell"]) -> TypeGuard[ir.Member]:
     """Returns whether an expression is a variable of a domain of agents, movers or cells."""
-    return isinstance(e, ir.Member) and e.sort.what == what
+    return isinstance(e, ir.Member) and e.entity_type.what == what
 
 
 def is_agent(e: ir.Expr) -> bool:

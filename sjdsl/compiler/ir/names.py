@@ -96,12 +96,12 @@ def attribute_name(field: ir.VarField) -> str:
     return identifier(f"{field.held_by.name}_{field.name}")
 
 
-def attribute_of(name: str, sort: ir.Sort) -> str:
+def attribute_of(name: str, entity_type: ir.EntityType) -> str:
     """Returns the attribute of State for a fact about all agents, or all movers of a type.
 
     `position`, or `deer_position`.
     """
-    return identifier(f"{sort.name}_{name}") if sort.what == "mover" else name
+    return identifier(f"{entity_type.name}_{name}") if entity_type.what == "mover" else name
 
 
 def state_names(game: ir.Game) -> list[tuple[str, ir.Node]]:
@@ -109,5 +109,7 @@ def state_names(game: ir.Game) -> list[tuple[str, ir.Node]]:
     fields: list[tuple[str, ir.Node]] = [
         (attribute_name(field), field) for field in all_fields(game)
     ]
-    fields += [(attribute_of(name, movers.sort), movers) for movers in game.movers for name in POSE]
+    fields += [
+        (attribute_of(name, movers.entity_type), movers) for movers in game.movers for name in POSE
+    ]
     return fields + [(f"mark_{phase.name}", phase) for phase in marking_phases(game)]

@@ -45,7 +45,7 @@ def is_over_neighbours(e: ir.Count | ir.Sum | ir.Extreme, scope: IterationScope,
     Its domain is the cells of a small shape around each cell, and it reads plain fields of them.
     """
     d = e.domain
-    if not isinstance(d.restriction, ir.Near) or d.var.sort.what != "cell":
+    if not isinstance(d.restriction, ir.Near) or d.var.entity_type.what != "cell":
         return False
     if len(d.var.kinds) != 1 or w.parameters or e.type.kind != "int":
         return False
@@ -150,7 +150,7 @@ def _count_name(d: ir.Domain) -> str:
 
 def _whole_number(d: ir.Domain, w: Writer) -> Value | None:
     """`count(water)`: a number that the map decides."""
-    if d.restriction or d.on or d.where or d.var.sort.what != "cell":
+    if d.restriction or d.on or d.where or d.var.entity_type.what != "cell":
         return None
     return Value(w.module.num_cells(d.var.kinds), "i32")
 
@@ -222,7 +222,7 @@ def _size(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
 def _near(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
     """Returns `count(K as other in disc(r) of k where …)`, if `where` is about `other` alone."""
     d = e.domain
-    if not isinstance(d.restriction, ir.Near) or d.var.sort.what != "cell":
+    if not isinstance(d.restriction, ir.Near) or d.var.entity_type.what != "cell":
         return None
     anchor = scope.variables[d.restriction.anchor.name]
     if not isinstance(anchor, CellVar) or anchor.axis is None or anchor.painted is not None:

@@ -152,7 +152,7 @@ def write_by_lot(stream: int, target: Target, value: Value, w: Writer) -> None:
     if who is None or entry is None:
         places = (Where(won, place, scalar(extent, "i32")),)
     else:
-        past_the_end = scalar(w.module.extent(who.sort), "i32")
+        past_the_end = scalar(w.module.extent(who.entity_type), "i32")
         places = (Where(won, at, past_the_end), entry)
     new = _values(value, target, axes, w, along_row=entry is None) if value.axes else value.node
     w.assign(target.attribute, written("set_at", current, places, new))
@@ -167,7 +167,7 @@ def _lot_places(
     """
     extent: Expression = Literal(1)
     if target.who is not None:
-        extent = w.module.extent(target.who.sort)
+        extent = w.module.extent(target.who.entity_type)
     if entry is None:
         return at, extent
     num_entries = target.num_entries(w)
@@ -397,7 +397,7 @@ def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None
     else:
         index = target.who.number
         name = _place(target.who)
-        past_the_end = w.module.extent(target.who.sort)
+        past_the_end = w.module.extent(target.who.entity_type)
         entry = key
     # A place for each instance; an array drops what is written past its end.
     axes = axes_of(index, scope.mask, value, entry)
@@ -486,7 +486,7 @@ def _scattered(target: Target, who: Variable, terms: Value, is_exact: bool, w: W
     index = who.number
     axes = axes_of(index, terms)
     total = reduce("sum", terms, without(target.scope.axes, axes))
-    extent = w.module.extent(who.sort)
+    extent = w.module.extent(who.entity_type)
     levels = target.read.type.indexed_by
     none = zeros("f32" if is_exact else total.dtype, extent, *map(w.module.num_entries, levels))
     if is_exact:
@@ -505,7 +505,7 @@ def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
     index = member if who is None else who.number
     axes = axes_of(index, member, key, mask)
     # What is not added has a number past the end.
-    past_the_end = w.module.agents if who is None else w.module.extent(who.sort)
+    past_the_end = w.module.agents if who is None else w.module.extent(who.entity_type)
     at = broadcast(select(mask, index, past_the_end), axes)
     at = w.keep("member" if who is None else _place(who), at)
     places: list[Expression] = []

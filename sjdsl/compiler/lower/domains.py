@@ -55,7 +55,7 @@ def enter(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
     """
     if isinstance(d.restriction, ir.Among):
         inner = _among(d, d.restriction, scope, w)
-    elif d.var.sort.what == "cell":
+    elif d.var.entity_type.what == "cell":
         inner = _cells(d, scope, w)
     else:
         inner = _bodies(d, scope, w)
@@ -77,7 +77,7 @@ def is_empty(d: ir.Domain, w: Writer) -> bool:
     num_cells = w.module.layout.num_cells
     if d.on is not None and not num_cells(d.on.kinds):
         return True
-    return d.var.sort.what == "cell" and not num_cells(d.var.kinds)
+    return d.var.entity_type.what == "cell" and not num_cells(d.var.kinds)
 
 
 def in_set(members: Value, axis: Axis) -> Value:
@@ -117,7 +117,7 @@ def extended(
 
 def _bodies(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
     """Returns the scope inside a domain of agents or movers."""
-    extent = w.module.extent(d.var.sort)
+    extent = w.module.extent(d.var.entity_type)
     match d.restriction:
         case ir.InAgents(value=value) if value.type.kind in ("agent", "member"):
             index = w.keep(d.var.name, w.value(value, scope))
@@ -126,7 +126,7 @@ def _bodies(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
             inner = inner.when(index >= 0)
             return inner.when(state_reads.present(variable, w))
     axis = w.axis(d.var.name, extent)
-    variable = AgentVar(iota(axis), axis, d.var.sort)
+    variable = AgentVar(iota(axis), axis, d.var.entity_type)
     inner = extended(scope, axis, d, variable, variable.index, extent)
     inner = inner.when(state_reads.present(variable, w))
     match d.restriction:
@@ -149,7 +149,7 @@ def _among(d: ir.Domain, among: ir.Among, scope: IterationScope, w: Writer) -> I
     stacked = call("jnp.stack", [spread(i, axes) for i in indices], axis=len(axes))
     index = w.keep(d.var.name, Value(stacked, "i32", (*axes, axis)))
     variable = numbered(d.var, index)
-    inner = extended(scope, axis, d, variable, index, w.module.extent(d.var.sort))
+    inner = extended(scope, axis, d, variable, index, w.module.extent(d.var.entity_type))
     if isinstance(variable, CellVar):
         inner = inner.when(state_reads.is_site(index, d.var.kinds, w))
     else:
@@ -383,7 +383,7 @@ def blocked_by(
     """Returns which of the cells are of a kind and block, by the state of the snapshot."""
     site = state_reads.site_at(cells, (kind.name,), w)
     members = [n for n in ir.walk(block) if isinstance(n, ir.Member)]
-    if agent is None and any(member.sort.what == "agent" for member in members):
+    if agent is None and any(member.entity_type.what == "agent" for member in members):
         instead = (
             "`blocks agents` may ask about the agent; what blocks a shape asks about the cell alone"
         )
@@ -391,7 +391,7 @@ def blocked_by(
         raise NotSupported(feature, block.origin, instead)
     variables: dict[str, Variable] = {kind.name: CellVar(site, (kind.name,))}
     if agent is not None:
-        variables[agent.sort.name] = agent
+        variables[agent.entity_type.name] = agent
     assert block.condition is not None
     test = w.value(block.condition, IterationScope(axes=cells.axes, variables=variables))
     return state_reads.is_site(site, (kind.name,), w) & test

@@ -243,7 +243,7 @@ def agent(e: ir.Expr, scope: IterationScope, w: Writer) -> AgentVar:
 
 def is_cell(e: ir.Expr) -> bool:
     """Returns whether an expression is a cell: a variable, or a value."""
-    return e.type.kind == "cell" or (isinstance(e, ir.Member) and e.sort.what == "cell")
+    return e.type.kind == "cell" or (isinstance(e, ir.Member) and e.entity_type.what == "cell")
 
 
 def declared_by(e: ir.Expr, w: Writer) -> ir.VarField | None:

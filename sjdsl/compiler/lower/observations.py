@@ -4,8 +4,8 @@ from dataclasses import replace
 from math import prod
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.queries import seen_heading, shown_field, shows_attribute, view_size
-from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
     TRUE,
@@ -229,13 +229,13 @@ def _myself(w: Writer) -> Expression:
     return w.module.constant("myself", own_cell, comment)[None]
 
 
-def _standing(plane: Value, name: str, sort: ir.Sort, w: Writer) -> AgentVar:
+def _standing(plane: Value, name: str, entity_type: ir.EntityType, w: Writer) -> AgentVar:
     """Returns who stands on each cell, from a plane of numbers one up.
 
     Where nobody does it is the first of all.
     """
     index = called("jnp.maximum", as_dtype(plane, "i32") - 1, 0)
-    return AgentVar(w.keep(name, index), sort=sort)
+    return AgentVar(w.keep(name, index), entity_type=entity_type)
 
 
 def _part_of(part: Part, parts: tuple[Part, ...], seen: Expression, axes: Axes, w: Writer) -> Value:
@@ -485,7 +485,7 @@ def _movers(planes: dict[str, Value], axes: Axes, w: Writer) -> list[Value]:
         w.origin = observable.origin
         painted = planes[observable.kind]
         exists = painted.ne(0)
-        mover = _standing(painted, f"which_{observable.kind}", observable.sort, w)
+        mover = _standing(painted, f"which_{observable.kind}", observable.entity_type, w)
         place = _observer_scope(axes).binding(observable.kind, mover)
         if not observable.field:
             value = as_dtype(exists, "u8")

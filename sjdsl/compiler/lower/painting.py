@@ -3,7 +3,7 @@
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.names import attribute_name
-from sjdsl.compiler.ir.queries import body_sorts, movers_named
+from sjdsl.compiler.ir.queries import body_types, movers_named
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import Value, aligned, as_dtype, literal, union
 from sjdsl.compiler.lower.cell_appearance import Look, looks, seen_marks
@@ -69,7 +69,9 @@ def _bits(values: int) -> int:
 
 
 def _reads_mover(condition: ir.Expr) -> bool:
-    return any(isinstance(n, ir.Member) and n.sort.what == "mover" for n in ir.walk(condition))
+    return any(
+        isinstance(n, ir.Member) and n.entity_type.what == "mover" for n in ir.walk(condition)
+    )
 
 
 def shift_of(part: Part, w: Writer) -> Value:
@@ -99,10 +101,10 @@ def paint_planes(parts: tuple[Part, ...], by_id: bool, w: Writer) -> list[Name]:
             painted = call("paint", planes[part.plane], path(f"state.{part.name}"), bit)
             w.set(planes[part.plane], painted)
     by_name = {part.name: part for part in parts}
-    for sort in body_sorts(w.module.game):
-        if sort.name in by_name:
-            part = by_name[sort.name]
-            _paint_bodies(planes[part.plane], part, sort, by_id, w)
+    for entity_type in body_types(w.module.game):
+        if entity_type.name in by_name:
+            part = by_name[entity_type.name]
+            _paint_bodies(planes[part.plane], part, entity_type, by_id, w)
     return planes
 
 
@@ -131,12 +133,14 @@ def _paint_fields(plane: Name, content: Part, w: Writer) -> None:
         w.set(plane, call("fill", plane, cells, shifted.node))
 
 
-def _paint_bodies(plane: Name, part: Part, sort: ir.Sort, by_id: bool, w: Writer) -> None:
+def _paint_bodies(
+    plane: Name, part: Part, entity_type: ir.EntityType, by_id: bool, w: Writer
+) -> None:
     """Writes where agents or movers are: their number, their heading, or 1."""
     game = w.module.game
-    is_agent = sort.what == "agent"
-    extent = w.module.extent(sort)
-    w.origin = game.agents.origin if is_agent else movers_named(game, sort.name).origin
+    is_agent = entity_type.what == "agent"
+    extent = w.module.extent(entity_type)
+    w.origin = game.agents.origin if is_agent else movers_named(game, entity_type.name).origin
     are_told_apart = by_id if is_agent else part.bits > 1
     if are_told_apart:
         shown = Value(Arange(extent, "u8"), "u8") + 1
@@ -145,7 +149,7 @@ def _paint_bodies(plane: Name, part: Part, sort: ir.Sort, by_id: bool, w: Writer
     else:
         shown = Value(call("jnp.ones", extent, path("jnp.uint8")), "u8")
     shifted = shown << shift_of(part, w)
-    w.set(plane, call("paint", plane, state_reads.positions(w, sort), shifted.node))
+    w.set(plane, call("paint", plane, state_reads.positions(w, entity_type), shifted.node))
 
 
 def look_number(first: Value, sizes: tuple[int, ...], values: list[Value]) -> Value:

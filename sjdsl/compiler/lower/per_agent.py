@@ -36,12 +36,12 @@ from sjdsl.runtime.actions import HEADINGS
 def per_agent(name: str, e: ir.Expr, scope: IterationScope, w: Writer) -> Expression:
     """Returns which agents a statement reaches, `[N]` bool, under a name."""
     who = agent(e, scope, w)
-    extent = w.module.extent(who.sort)
+    extent = w.module.extent(who.entity_type)
     if who.axis is not None:
         reached = reduce("any", scope.mask, without(scope.axes, (who.axis,)))
         node = reached.node if reached.axes else call("jnp.full", extent, reached.node)
     else:
-        at = w.keep(f"to_{who.sort.name}", select(scope.mask, who.index, extent))
+        at = w.keep(f"to_{who.entity_type.name}", select(scope.mask, who.index, extent))
         node = written("set_at", zeros("bool", extent), (at.node,), Literal(True))
     return w.keep_node(name, node, "bool")
 
@@ -53,11 +53,11 @@ def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> Expre
     any number.
     """
     who = agent(e, scope, w)
-    extent = w.module.extent(who.sort)
+    extent = w.module.extent(who.entity_type)
     if who.axis is None:
         at = select(scope.mask, who.index, extent)
         axes = axes_of(at, value)
-        places = w.keep_node(f"to_{who.sort.name}", spread(at, axes), "i32")
+        places = w.keep_node(f"to_{who.entity_type.name}", spread(at, axes), "i32")
         none = zeros("i32", extent)
         return written("set_at", none, (places,), spread(value, axes))
     if any(a != who.axis for a in value.axes):
@@ -92,17 +92,17 @@ def turned(heading: Value, quarters: int) -> Value:
     return (heading + quarters) & 3 if quarters else heading
 
 
-def put(name: str, sort: ir.Sort, who: Expression, value: Part, w: Writer) -> None:
+def put(name: str, entity_type: ir.EntityType, who: Expression, value: Part, w: Writer) -> None:
     """Writes a new value of an attribute for some agents, or some movers of a name.
 
     who: which of them, `[N]` bool.
     """
-    attribute = attribute_of(name, sort)
+    attribute = attribute_of(name, entity_type)
     w.assign(attribute, Where(who, constant(value), w.current(attribute)))
 
 
 def turn(
-    sort: ir.Sort,
+    entity_type: ir.EntityType,
     who: Expression,
     facing: str | None,
     way: Expression | None,
@@ -116,13 +116,13 @@ def turn(
     """
     if facing == "same":
         return
-    is_byte = sort.what == "mover"
+    is_byte = entity_type.what == "mover"
     heading: Expression
     if way is not None:
         heading = Cast(way, "u8") if is_byte else way
     elif facing is None:
         assert stream is not None
-        bits = bits_of_each(stream, sort, w)
+        bits = bits_of_each(stream, entity_type, w)
         heading = call("below", bits, 4)
         if is_byte:
             heading = Cast(heading, "u8")
@@ -130,4 +130,4 @@ def turn(
         heading = w.module.number(facing, HEADINGS.index(facing))
         if is_byte:
             heading = scalar(heading, "u8")
-    put("heading", sort, who, heading, w)
+    put("heading", entity_type, who, heading, w)

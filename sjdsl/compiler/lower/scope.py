@@ -5,7 +5,7 @@ from dataclasses import field, replace
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Span
-from sjdsl.compiler.ir.sorts import AGENTS, Sort
+from sjdsl.compiler.ir.entity_types import AGENTS, EntityType
 from sjdsl.compiler.lower.axes import TRUE, Axes, Axis, Value
 from sjdsl.compiler.program.expressions import Literal
 
@@ -38,7 +38,7 @@ class AgentVar(Record):
 
     index: Value
     axis: Axis | None = None
-    sort: Sort = AGENTS
+    entity_type: EntityType = AGENTS
     alone: SetOfOne | None = None
 
     @property
@@ -65,8 +65,8 @@ class CellVar(Record):
     beside: bool = False
 
     @property
-    def sort(self) -> Sort:
-        return Sort("cell", self.kinds)
+    def entity_type(self) -> EntityType:
+        return EntityType("cell", self.kinds)
 
     @property
     def number(self) -> Value:
@@ -79,9 +79,9 @@ Variable = AgentVar | CellVar
 
 def numbered(var: ir.Member, number: Value) -> Variable:
     """Returns the agents, movers or cells that a variable of a domain is, by their numbers."""
-    if var.sort.what == "cell":
+    if var.entity_type.what == "cell":
         return CellVar(number, var.kinds)
-    return AgentVar(number, sort=var.sort)
+    return AgentVar(number, entity_type=var.entity_type)
 
 
 class IterationScope(Record):

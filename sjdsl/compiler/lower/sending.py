@@ -8,7 +8,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.compiler.ir.names import attribute_of
-from sjdsl.compiler.ir.queries import body_sort
+from sjdsl.compiler.ir.queries import body_type
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
     Value,
@@ -69,7 +69,7 @@ class Sends:
     pools: tuple[Pool, ...]
     now: dict[int, list[Sent]] = field(default_factory=dict)
     away: list[Leaving] = field(default_factory=list)
-    removed: list[tuple[ir.Sort, Expression]] = field(default_factory=list)
+    removed: list[tuple[ir.EntityType, Expression]] = field(default_factory=list)
     shifted: list[Shifted] = field(default_factory=list)
 
     def add(self, s: ir.Send, scope: IterationScope, w: Writer) -> None:
@@ -96,7 +96,7 @@ class Sends:
 
     def remove(self, s: ir.Remove, scope: IterationScope, w: Writer) -> None:
         removed = per_agent("removed", s.who, scope, w)
-        self.removed.append((body_sort(s.who), removed))
+        self.removed.append((body_type(s.who), removed))
 
 
 def _fitting(s: ir.Send, scope: IterationScope, w: Writer) -> Expression | None:
@@ -115,9 +115,9 @@ def _fitting(s: ir.Send, scope: IterationScope, w: Writer) -> Expression | None:
             fits = reduce("any", scope.mask & fits, others)
         return w.keep_node("fitting", spread(fits, (who.axis, axis)), "bool")
     axes = union(who.index.axes, scope.mask.axes, without(fits.axes, (axis,)))
-    extent = w.module.extent(who.sort)
+    extent = w.module.extent(who.entity_type)
     index = select(scope.mask, who.index, extent)
-    places = w.keep_node(f"to_{who.sort.name}", spread(index, axes), "i32")
+    places = w.keep_node(f"to_{who.entity_type.name}", spread(index, axes), "i32")
     none = zeros("bool", extent, axis.extent)
     table = written("set_at", none, (places,), spread(fits, (*axes, axis)))
     return w.keep_node("fitting", table, "bool")
@@ -145,17 +145,17 @@ def finish(sends: Sends, w: Writer) -> None:
             entered.append((pool, placed))
     for leaving in sends.away:
         w.origin = leaving.send.origin
-        sort = leaving.pool.sort
-        put("position", sort, leaving.who, state_reads.nowhere(w).node, w)
-        put("away", sort, leaving.who, leaving.delays, w)
-        put("away_pool", sort, leaving.who, leaving.pool.number, w)
+        entity_type = leaving.pool.entity_type
+        put("position", entity_type, leaving.who, state_reads.nowhere(w).node, w)
+        put("away", entity_type, leaving.who, leaving.delays, w)
+        put("away_pool", entity_type, leaving.who, leaving.pool.number, w)
         facing = _facing(leaving.send, w) if leaving.way is None else leaving.way
-        put("away_facing", sort, leaving.who, facing, w)
+        put("away_facing", entity_type, leaving.who, facing, w)
     w.origin = None
-    for sort, removed in sends.removed:
-        put("position", sort, removed, state_reads.nowhere(w).node, w)
-        if w.module.stores_away(sort):
-            put("away", sort, removed, 0, w)
+    for entity_type, removed in sends.removed:
+        put("position", entity_type, removed, state_reads.nowhere(w).node, w)
+        if w.module.stores_away(entity_type):
+            put("away", entity_type, removed, 0, w)
     if sends.shifted:
         settle(sends.shifted, w)
 
@@ -183,9 +183,9 @@ def _place_pool(pool: Pool, sends: Sends, entered: list[tuple[Pool, Name]], w: W
     placed = place(pool, sent, leaving, _fitting_of_all(parts), w, entered)
     for part in parts:
         who = placed if len(parts) == 1 else part.who & placed
-        turn(pool.sort, who, part.send.facing, part.way, pool.send.heading_stream, w)
-    if w.module.stores_away(pool.sort):
-        put("away", pool.sort, placed, 0, w)
+        turn(pool.entity_type, who, part.send.facing, part.way, pool.send.heading_stream, w)
+    if w.module.stores_away(pool.entity_type):
+        put("away", pool.entity_type, placed, 0, w)
     return placed
 
 
@@ -210,14 +210,14 @@ def place(
     sent: who is placed, `[N]` bool. leaving, entered: see `free_cells`. fitting: which cells fit
     each agent, `[N, S]` bool; None where the same fit all.
     """
-    attribute = attribute_of("position", pool.sort)
+    attribute = attribute_of("position", pool.entity_type)
     free = free_cells(pool, leaving, fitting is None, w, entered)
     placed = w.fresh("placed")
     before = w.current(attribute)
     position = w.changed.get(attribute) or w.fresh(attribute)
     assert isinstance(position, Name)
     w.changed[attribute] = position
-    bits = bits_of_each(pool.send.cell_stream, pool.sort, w)
+    bits = bits_of_each(pool.send.cell_stream, pool.entity_type, w)
     cells = state_reads.cells_of(pool.kinds, w)
     if fitting is None:
         result = call("place", cells, free, bits, before, sent)
