@@ -52,7 +52,7 @@ def is_over_neighbours(e: ir.Count | ir.Sum | ir.Extreme, scope: IterationScope,
     anchor = scope.variables[d.restriction.anchor.name]
     if not isinstance(anchor, CellVar) or anchor.painted is not None:
         return False
-    if len(scope.axes) != 1 or anchor.site.axes != scope.axes:
+    if len(scope.axes) != 1 or anchor.number.axes != scope.axes:
         return False
     if anchor.axis is None and scope.axes[0].size < state_reads.MANY:
         return False
@@ -103,7 +103,7 @@ def over_neighbours(
     w.names.taken.difference_update({number.identifier, *names})  # they mean nothing outside
     w.parameters.clear()
     arguments = [fold, table, body, *(stored for stored, _ in fields)]
-    around = {} if anchor.axis is not None else {"around": anchor.site.node}
+    around = {} if anchor.axis is not None else {"around": anchor.number.node}
     return Value(call("over_neighbours", *arguments, **around), "i32", scope.axes)
 
 

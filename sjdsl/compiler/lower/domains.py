@@ -6,7 +6,6 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
-    TRUE,
     Axis,
     Value,
     axes_of,
@@ -24,6 +23,7 @@ from sjdsl.compiler.lower.scope import (
     NotSupported,
     Variable,
     numbered,
+    scope_of_agents,
 )
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
@@ -127,7 +127,7 @@ def _bodies(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
             return inner.when(state_reads.present(variable, w))
     axis = w.axis(d.var.name, extent)
     variable = AgentVar(iota(axis), axis, d.var.entity_type)
-    inner = extended(scope, axis, d, variable, variable.index, extent)
+    inner = extended(scope, axis, d, variable, variable.number, extent)
     inner = inner.when(state_reads.present(variable, w))
     match d.restriction:
         case ir.Near():
@@ -184,12 +184,12 @@ def _cells(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
             return inner.when(exists)
         case ir.InCell(value=value):
             held = state_reads.held_cell(value, kinds, scope, w)
-            inner = extended(scope, None, d, held, held.site, w.module.num_cells(kinds))
-            return inner.when(state_reads.is_site(held.site, kinds, w))
+            inner = extended(scope, None, d, held, held.number, w.module.num_cells(kinds))
+            return inner.when(state_reads.is_site(held.number, kinds, w))
         case _:
             axis = w.axis(d.var.name, w.module.num_cells(kinds))
             variable = CellVar(iota(axis), kinds, axis)
-            return extended(scope, axis, d, variable, variable.site, axis.extent)
+            return extended(scope, axis, d, variable, variable.number, axis.extent)
 
 
 def sites_in(
@@ -205,8 +205,8 @@ def sites_in(
         anchor = state_reads.placed(anchor, w)
         axis = w.axis(name, sum(map(len, shape.lanes)))
         table = neighbours_constant(near, anchor, kinds, w)
-        neighbours = table if anchor.axis is not None else table[anchor.site.node]
-        site = Value(neighbours, "i32", (*anchor.site.axes, axis))
+        neighbours = table if anchor.axis is not None else table[anchor.number.node]
+        site = Value(neighbours, "i32", (*anchor.number.axes, axis))
         return site, state_reads.is_site(site, kinds, w)
     swept = sweep(near, scope, w)
     site = w.keep(_site_name(near, kinds), state_reads.site_at(swept.cells, kinds, w))
@@ -357,8 +357,7 @@ def _agents_block(block: ir.Block, cells: Value, w: Writer) -> Value:
     standing = stand_on(cells, state_reads.positions(w))
     if block.condition is not None:
         axis = w.axis("blocker", w.module.agents)
-        scope = IterationScope(axes=(axis,), variables={"agent": AgentVar(iota(axis), axis)})
-        stops = spread(w.value(block.condition, scope), (axis,))
+        stops = spread(w.value(block.condition, scope_of_agents((axis,))), (axis,))
         standing = standing & stops[*[NEW_AXIS] * len(cells.axes), :]
     return Value(reduction("any", standing, (len(cells.axes),)), "bool", cells.axes)
 
@@ -399,26 +398,15 @@ def blocked_by(
 
 def agents_in(near: ir.Near, variable: AgentVar, scope: IterationScope, w: Writer) -> Value:
     """Returns which agents stand on a cell of the shape."""
-    anchor = scope.variables[near.anchor.name]
-    shape = w.module.shape(near.shape)
     assert variable.axis is not None
-    if isinstance(anchor, CellVar):
-        around = w.module.layout.offsets_table(shape)[0]
-        name = f"{shape.name.split('(')[0]}_around"
-        offsets = w.module.constant(name, around, f"cells of {shape.name}")
-        steps = Value(offsets, "i32", (w.axis("around", sum(map(len, shape.lanes))),))
-        cells = _plus(state_reads.cell(anchor, w), steps, w)
-        ok = TRUE
-    else:
-        swept = sweep(near, scope, w)
-        cells = swept.cells
-        ok = swept.ok if has_inner_blocks(shape, w) else TRUE
+    swept = sweep(near, scope, w)
+    cells = swept.cells
     axes = cells.axes[:-1]
     if variable.axis not in cells.axes:
         axes = (*axes, variable.axis)
     standing = stand_on(cells, state_reads.position(variable, w).node)
-    if ok != TRUE:
-        standing = standing & ok.node[*[ALL] * len(ok.axes), None]
+    if has_inner_blocks(w.module.shape(near.shape), w):
+        standing = standing & swept.ok.node[*[ALL] * len(cells.axes), None]
     inside = Value(reduction("any", standing, (len(cells.axes) - 1,)), "bool", axes)
     return w.keep(f"in_{shape_name(near.shape)}", inside)
 

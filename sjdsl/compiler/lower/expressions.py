@@ -262,7 +262,7 @@ def attribute(e: ir.Attribute, scope: IterationScope, w: Writer) -> Value:
     assert isinstance(variable, AgentVar)
     match e.name:
         case "index":
-            return variable.index
+            return variable.number
         case "heading":
             return as_dtype(state_reads.heading(variable, w), "u8")
         case "moved":

@@ -173,10 +173,8 @@ def _open_direction(
     if course.goal is not None:
         better = _better(course.goal, course.away, scope, mover, axis, w)
         is_open = is_open & Value(better, "bool", axes)
-    direction = w.fresh("way")
-    has_way = w.fresh("found")
     bits = bits_of_each(course.stream, mover.entity_type, w)
-    w.unpack((direction, has_way), call("pick", is_open.node, bits))
+    direction, has_way = w.keep_parts(("way", "found"), call("pick", is_open.node, bits))
     goes = w.keep("goes", scope.mask & Value(has_way, "bool", (axis,)))
     return Value(direction, "i32", (axis,)), goes
 
@@ -193,11 +191,8 @@ def _better(
     cells, is_member = _members(goal, scope, axis, w)
     layout = w.module.layout
     positions = state_reads.positions(w, mover.entity_type)
-    arguments = [positions, cells, is_member, w.module.frame_cols]
-    if layout.wraps:
-        gained = call("gains_around", *arguments, layout.height, layout.width)
-    else:
-        gained = call("gains", *arguments)
+    around = {"around": (layout.height, layout.width)} if layout.wraps else {}
+    gained = call("gains", positions, cells, is_member, w.module.frame_cols, **around)
     return gained > 0 if away else gained < 0
 
 

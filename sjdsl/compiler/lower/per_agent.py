@@ -3,24 +3,25 @@
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_of
 from sjdsl.compiler.lower.axes import (
+    TRUE,
+    Axes,
     Value,
     as_dtype,
-    axes_of,
     literal,
     looked_up,
     reduce,
     select,
     spread,
+    union,
     without,
 )
 from sjdsl.compiler.lower.draws import bits_of_each
 from sjdsl.compiler.lower.expressions import agent
-from sjdsl.compiler.lower.scope import IterationScope
+from sjdsl.compiler.lower.scope import AgentVar, IterationScope
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
     Cast,
     Expression,
-    Literal,
     Part,
     Where,
     as_array,
@@ -41,9 +42,24 @@ def per_agent(name: str, e: ir.Expr, scope: IterationScope, w: Writer) -> Expres
         reached = reduce("any", scope.mask, without(scope.axes, (who.axis,)))
         node = reached.node if reached.axes else call("jnp.full", extent, reached.node)
     else:
-        at = w.keep(f"to_{who.entity_type.name}", select(scope.mask, who.index, extent))
-        node = written("set_at", zeros("bool", extent), (at.node,), Literal(True))
+        node = to_each(who, TRUE, scope, w)
     return w.keep_node(name, node, "bool")
+
+
+def to_each(
+    who: AgentVar, value: Value, scope: IterationScope, w: Writer, entries: Axes = ()
+) -> Expression:
+    """Returns a value for each agent that a statement reaches by computed numbers; 0 for others.
+
+    entries: the axes of one agent's value; `[N, *entries]`.
+    """
+    extent = w.module.extent(who.entity_type)
+    at = select(scope.mask, who.number, extent)
+    axes = union(at.axes, without(value.axes, entries))
+    places = w.keep_node(f"to_{who.entity_type.name}", spread(at, axes), "i32")
+    none = zeros(value.dtype, extent, *(axis.extent for axis in entries))
+    new = value.node if value.literal else spread(value, (*axes, *entries))
+    return written("set_at", none, (places,), new)
 
 
 def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> Expression:
@@ -53,17 +69,14 @@ def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> Expre
     any number.
     """
     who = agent(e, scope, w)
-    extent = w.module.extent(who.entity_type)
     if who.axis is None:
-        at = select(scope.mask, who.index, extent)
-        axes = axes_of(at, value)
-        places = w.keep_node(f"to_{who.entity_type.name}", spread(at, axes), "i32")
-        none = zeros("i32", extent)
-        return written("set_at", none, (places,), spread(value, axes))
+        return to_each(who, value, scope, w)
     if any(a != who.axis for a in value.axes):
         others = without(scope.axes, (who.axis,))
         value = reduce("max", select(scope.mask, value, 0), others)
-    return value.node if value.axes else call("jnp.full", extent, value.node)
+    if value.axes:
+        return value.node
+    return call("jnp.full", w.module.extent(who.entity_type), value.node)
 
 
 def way_of_each(

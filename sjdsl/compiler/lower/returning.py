@@ -19,7 +19,8 @@ from sjdsl.compiler.program.expressions import Cast, Expression, Literal, Name, 
 def bring_back(pools: Pools, entity_types: list[ir.EntityType], w: Writer) -> None:
     """Writes how delays count down, and how those come back whose delay is over.
 
-    They come back pool by pool, each onto the map as it then is. sorts: of those who can be away.
+    They come back pool by pool, each onto the map as it then is. entity_types: of those who can be
+    away.
     """
     due = _count_down(entity_types, w)
     for pool in (p for of_phase in pools.values() for p in of_phase):
@@ -61,16 +62,11 @@ def _bring_back_to(pool: Pool, due: Expression, w: Writer) -> None:
     arguments += [stored("position"), stored("heading"), stored("away_facing")]
     if fitting is not None:
         arguments.append(fitting)
-    position = w.fresh(attribute_of("position", entity_type))
-    heading = w.fresh(attribute_of("heading", entity_type))
-    placed = w.fresh("placed")
-    w.unpack((position, heading, placed), call("come_back", *arguments))
-    changes: dict[str, Expression] = {
-        attribute_of("position", entity_type): position,
-        attribute_of("heading", entity_type): heading,
-        attribute_of("away", entity_type): Where(placed, Literal(0), stored("away")),
-    }
-    w.set(Name("state"), replaced("state", changes))
+    names = [attribute_of(name, entity_type) for name in ("position", "heading", "away")]
+    come_back = call("come_back", *arguments)
+    position, heading, placed = w.keep_parts((*names[:2], "placed"), come_back)
+    values = (position, heading, Where(placed, Literal(0), stored("away")))
+    w.set(Name("state"), replaced("state", dict(zip(names, values, strict=True))))
 
 
 def _fitting_on_return(pool: Pool, w: Writer) -> Expression | None:

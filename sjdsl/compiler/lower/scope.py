@@ -6,7 +6,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.ir.entity_types import AGENTS, EntityType
-from sjdsl.compiler.lower.axes import TRUE, Axes, Axis, Value
+from sjdsl.compiler.lower.axes import TRUE, Axes, Axis, Value, iota
 from sjdsl.compiler.program.expressions import Literal
 
 
@@ -33,31 +33,27 @@ class SetOfOne(Record):
 class AgentVar(Record):
     """Agents or movers: along `axis`, each once in order, or as computed numbers.
 
-    index: their numbers. alone: each as a set of one, if that has been computed.
+    number: their numbers among all of the type. alone: each as a set of one, if that has been
+      computed.
     """
 
-    index: Value
+    number: Value
     axis: Axis | None = None
     entity_type: EntityType = AGENTS
     alone: SetOfOne | None = None
-
-    @property
-    def number(self) -> Value:
-        """The number of the agent or mover among all of its sort."""
-        return self.index
 
 
 class CellVar(Record):
     """Cells of `kinds`: along `axis`, each once in order, or as computed numbers.
 
-    site: their numbers among the cells of `kinds`, or how many there are for no such cell.
+    number: their numbers among the cells of `kinds`, or how many there are for no such cell.
     painted: for cells of windows, the fields whose values are known, by name; `seen` then has the
       axes of observers and of a window's cells.
     beside: whether this is one of the cells around each cell. Its fields are then parameters of a
       function, which the writer collects.
     """
 
-    site: Value
+    number: Value
     kinds: tuple[str, ...]
     axis: Axis | None = None
     painted: tuple[tuple[str, Value], ...] | None = None
@@ -67,11 +63,6 @@ class CellVar(Record):
     @property
     def entity_type(self) -> EntityType:
         return EntityType("cell", self.kinds)
-
-    @property
-    def number(self) -> Value:
-        """The number of the cell among those of its kinds."""
-        return self.site
 
 
 Variable = AgentVar | CellVar
@@ -112,3 +103,8 @@ class IterationScope(Record):
     def letting(self, name: str, value: Value) -> "IterationScope":
         """Returns this scope with one more local value."""
         return replace(self, locals={**self.locals, name: value})
+
+
+def scope_of_agents(axes: Axes) -> IterationScope:
+    """Returns the scope of what is about `agent`, who is along the first axis."""
+    return IterationScope(axes=axes, variables={"agent": AgentVar(iota(axes[0]), axes[0])})

@@ -114,7 +114,7 @@ def _pick_several(
             limit = first_limit(branch.test, inner, w)
             if not limit.axes:  # the same for all members
                 stream = w.stream(chance.stream)
-                chosen = call("choose_by_chance", *arguments, KEY, stream, limit.node)
+                chosen = call("choose", *arguments, KEY, stream, limit.node)
                 body = branch.body
     w.origin = s.origin
     taken = w.keep("taken", Value(chosen, "bool", mask.axes))
@@ -144,10 +144,9 @@ def _pick_one(
         else:
             kernel = "pick_of_large_set" if members.levels else "pick_of_set"
             source = aligned(members, axes)
-        results = (w.fresh(name), w.fresh("found"))
-        w.unpack(results, call(kernel, source, drawn))
-        picked = Value(results[0], "i32", axes)
-        exists = Value(results[1], "bool", axes)
+        who, has_member = w.keep_parts((name, "found"), call(kernel, source, drawn))
+        picked = Value(who, "i32", axes)
+        exists = Value(has_member, "bool", axes)
         number = picked
         if member.axis is None:  # it is a cell's place in a shape
             number = _take(member.number, axis, picked)

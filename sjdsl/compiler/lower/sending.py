@@ -14,15 +14,13 @@ from sjdsl.compiler.lower.axes import (
     Value,
     as_dtype,
     reduce,
-    select,
     spread,
-    union,
     without,
 )
 from sjdsl.compiler.lower.draws import bits_of_each
 from sjdsl.compiler.lower.expressions import agent
 from sjdsl.compiler.lower.free_cells import fitting_cells, free_cells
-from sjdsl.compiler.lower.per_agent import of_each, per_agent, put, turn, way_of_each
+from sjdsl.compiler.lower.per_agent import of_each, per_agent, put, to_each, turn, way_of_each
 from sjdsl.compiler.lower.pools import Pool, sends_of
 from sjdsl.compiler.lower.scope import IterationScope
 from sjdsl.compiler.lower.shifting import Shifted, settle, shifted
@@ -33,8 +31,6 @@ from sjdsl.compiler.program.expressions import (
     Name,
     call,
     scalar,
-    written,
-    zeros,
 )
 from sjdsl.runtime.actions import ANY_HEADING, HEADINGS, SAME_HEADING
 
@@ -114,13 +110,7 @@ def _fitting(s: ir.Send, scope: IterationScope, w: Writer) -> Expression | None:
         if any(a in fits.axes for a in others):  # all who send the agent agree on its cells
             fits = reduce("any", scope.mask & fits, others)
         return w.keep_node("fitting", spread(fits, (who.axis, axis)), "bool")
-    axes = union(who.index.axes, scope.mask.axes, without(fits.axes, (axis,)))
-    extent = w.module.extent(who.entity_type)
-    index = select(scope.mask, who.index, extent)
-    places = w.keep_node(f"to_{who.entity_type.name}", spread(index, axes), "i32")
-    none = zeros("bool", extent, axis.extent)
-    table = written("set_at", none, (places,), spread(fits, (*axes, axis)))
-    return w.keep_node("fitting", table, "bool")
+    return w.keep_node("fitting", to_each(who, fits, scope, w, (axis,)), "bool")
 
 
 def _delays(s: ir.Send, delay: Value, scope: IterationScope, w: Writer) -> Expression:
@@ -219,9 +209,6 @@ def place(
     w.changed[attribute] = position
     bits = bits_of_each(pool.send.cell_stream, pool.entity_type, w)
     cells = state_reads.cells_of(pool.kinds, w)
-    if fitting is None:
-        result = call("place", cells, free, bits, before, sent)
-    else:
-        result = call("place_fitting", cells, free, fitting, bits, before, sent)
-    w.unpack((position, placed), result)
+    own = () if fitting is None else (fitting,)
+    w.unpack((position, placed), call("place", cells, free, bits, before, sent, *own))
     return placed

@@ -46,7 +46,7 @@ def field(e: ir.FieldRead, owner: Variable | None, w: Writer) -> Value:
     if declared.type.kind == "word":
         stored = as_dtype(stored, "u8")
     if isinstance(owner, CellVar) and owner.beside:
-        stored = replace(stored, node=w.beside(stored.node), axes=owner.site.axes)
+        stored = replace(stored, node=w.beside(stored.node), axes=owner.number.axes)
     elif owner is not None:
         stored = _looked_up(owner, stored, w)
     return _widened(stored, declared.type)
@@ -58,10 +58,10 @@ def _looked_up(owner: Variable, stored: Value, w: Writer) -> Value:
     For many computed cells the field is computed in memory first.
     """
     if isinstance(owner, CellVar) and owner.axis is None:
-        number = prod(a.size for a in owner.site.axes)
+        number = prod(a.size for a in owner.number.axes)
         if number >= max(MANY, w.module.layout.num_cells(owner.kinds)):
-            node = call("looked_up", stored.node, owner.site.node)
-            return replace(stored, node=node, axes=owner.site.axes)
+            node = call("looked_up", stored.node, owner.number.node)
+            return replace(stored, node=node, axes=owner.number.axes)
     return _of(owner, stored)
 
 
