@@ -31,7 +31,6 @@ from sjdsl.compiler.program.expressions import (
     NEW_AXIS,
     DType,
     Expression,
-    Literal,
     Name,
     call,
     reduction,
@@ -104,30 +103,35 @@ def extended(
     axis: Axis | None,
     d: ir.Domain,
     variable: Variable,
-    digit: Value,
-    radix: Literal,
+    w: Writer,
+    is_place: bool = False,
 ) -> IterationScope:
-    """Returns the scope with one more quantifier around it."""
+    """Returns the scope with one more quantifier around it.
+
+    is_place: whether its members are numbered by their places along the axis.
+    """
+    digit = (variable.number, w.module.extent(d.var.entity_type))
+    if is_place and axis is not None:
+        digit = (iota(axis), axis.extent)
     return replace(
         scope.binding(d.var.name, variable),
         axes=scope.axes if axis is None else (*scope.axes, axis),
-        digits=(*scope.digits, (digit, radix)),
+        digits=(*scope.digits, digit),
     )
 
 
 def _bodies(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
     """Returns the scope inside a domain of agents or movers."""
-    extent = w.module.extent(d.var.entity_type)
     match d.restriction:
         case ir.InAgents(value=value) if value.type.kind in ("agent", "member"):
             index = w.keep(d.var.name, w.value(value, scope))
             variable = AgentVar(index)
-            inner = extended(scope, None, d, variable, index, extent)
+            inner = extended(scope, None, d, variable, w)
             inner = inner.when(index >= 0)
             return inner.when(state_reads.present(variable, w))
-    axis = w.axis(d.var.name, extent)
+    axis = w.axis(d.var.name, w.module.extent(d.var.entity_type))
     variable = AgentVar(iota(axis), axis, d.var.entity_type)
-    inner = extended(scope, axis, d, variable, variable.number, extent)
+    inner = extended(scope, axis, d, variable, w)
     inner = inner.when(state_reads.present(variable, w))
     match d.restriction:
         case ir.Near():
@@ -149,7 +153,7 @@ def _among(d: ir.Domain, among: ir.Among, scope: IterationScope, w: Writer) -> I
     stacked = call("jnp.stack", [spread(i, axes) for i in indices], axis=len(axes))
     index = w.keep(d.var.name, Value(stacked, "i32", (*axes, axis)))
     variable = numbered(d.var, index)
-    inner = extended(scope, axis, d, variable, index, w.module.extent(d.var.entity_type))
+    inner = extended(scope, axis, d, variable, w)
     if isinstance(variable, CellVar):
         inner = inner.when(state_reads.is_site(index, d.var.kinds, w))
     else:
@@ -180,16 +184,16 @@ def _cells(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
         case ir.Near():
             site, exists = sites_in(d.restriction, kinds, scope, w, d.var.name)
             axis = site.axes[-1]
-            inner = extended(scope, axis, d, CellVar(site, kinds), iota(axis), axis.extent)
+            inner = extended(scope, axis, d, CellVar(site, kinds), w, is_place=True)
             return inner.when(exists)
         case ir.InCell(value=value):
             held = state_reads.held_cell(value, kinds, scope, w)
-            inner = extended(scope, None, d, held, held.number, w.module.num_cells(kinds))
+            inner = extended(scope, None, d, held, w)
             return inner.when(state_reads.is_site(held.number, kinds, w))
         case _:
             axis = w.axis(d.var.name, w.module.num_cells(kinds))
             variable = CellVar(iota(axis), kinds, axis)
-            return extended(scope, axis, d, variable, variable.number, axis.extent)
+            return extended(scope, axis, d, variable, w)
 
 
 def sites_in(

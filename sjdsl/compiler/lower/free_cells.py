@@ -75,7 +75,7 @@ def free_cells(
 
 
 def _sites_of_others(pool: Pool, leaving: Expression | None, w: Writer) -> Expression:
-    """Returns which cells of a destination agents and movers stand on, those of its sort first."""
+    """Returns which cells of a destination agents and movers stand on, those of its type first."""
     sites: list[Expression] = []
     for entity_type in sorted(
         body_types(w.module.game), key=lambda entity_type: entity_type != pool.entity_type

@@ -20,14 +20,13 @@ from sjdsl.compiler.lower.expressions import agent
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
-    Cast,
+    DType,
     Expression,
     Part,
     Where,
     as_array,
     call,
     constant,
-    scalar,
     written,
     zeros,
 )
@@ -129,18 +128,10 @@ def turn(
     """
     if facing == "same":
         return
-    is_byte = entity_type.what == "mover"
-    heading: Expression
-    if way is not None:
-        heading = Cast(way, "u8") if is_byte else way
-    elif facing is None:
+    if way is None and facing is not None:
+        way = w.module.number(facing, HEADINGS.index(facing))
+    elif way is None:
         assert stream is not None
-        bits = bits_of_each(stream, entity_type, w)
-        heading = call("below", bits, 4)
-        if is_byte:
-            heading = Cast(heading, "u8")
-    else:
-        heading = w.module.number(facing, HEADINGS.index(facing))
-        if is_byte:
-            heading = scalar(heading, "u8")
-    put("heading", entity_type, who, heading, w)
+        way = call("below", bits_of_each(stream, entity_type, w), 4)
+    dtype: DType = "u8" if entity_type.what == "mover" else "i32"
+    put("heading", entity_type, who, as_dtype(Value(way, "i32"), dtype).node, w)

@@ -178,7 +178,7 @@ def everybody(w: Writer, entity_type: ir.EntityType) -> AgentVar:
 
 
 def all_positions(w: Writer, but: ir.EntityType | None = None) -> Expression:
-    """Returns the cells of all agents and movers, perhaps without those of one sort."""
+    """Returns the cells of all agents and movers, perhaps without those of one type."""
     entity_types = [entity_type for entity_type in body_types(w.module.game) if entity_type != but]
     if len(entity_types) == 1:
         return positions(w, entity_types[0])
