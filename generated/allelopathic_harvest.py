@@ -178,7 +178,6 @@ LEFT = 5  # cells of a window
 RIGHT = 5  # cells of a window
 CONTENT_MASK = 7
 AGENT_MASK = 31
-MARK_MASK = 15
 MARKS_OF_SOW_SOW_RED_RED = 48  # cells that sow(sow_red, red) can mark
 MARKS_OF_SOW_SOW_GREEN_GREEN = 48  # cells that sow(sow_green, green) can mark
 MARKS_OF_SOW_SOW_BLUE_BLUE = 48  # cells that sow(sow_blue, blue) can mark
@@ -641,14 +640,13 @@ def observe(state: State, params: Params) -> Array:
         jnp.where(agent != 0, (2 + ((state.heading[who] - state.heading[:, None]) & 3)).astype(jnp.uint8), 0),
     ).astype(jnp.uint8)
     theirs = (agent != 0) & ~MYSELF[None]
-    marks = seen_1 & MARK_MASK
     present = state.position != NOWHERE  # allelopathic_harvest.sj:91
     return planes_of(
         WINDOW,
         present,
         content,
         agents,
-        marks,
+        seen_1,
         jnp.where(theirs, state.agent_coat[who] + 1, 0),
         jnp.where(theirs, state.agent_hits[who], 0),
         jnp.broadcast_to(state.agent_taste[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),

@@ -117,9 +117,9 @@ LEFT = 5  # cells of a window
 RIGHT = 5  # cells of a window
 CONTENT_MASK = 7
 AGENT_MASK = 7
+MARKS_SHIFT = 6
+MARKS_MASK = 3
 WATER_UP = 1  # added to what is painted, from water on
-MARK_SHIFT = 6
-MARK_MASK = 3
 MARKS_OF_SCRUB = 28  # cells that scrub can mark
 MARKS_OF_FIRE = 28  # cells that fire can mark
 STREAM_START = 0xa452ab5d  # clean_up.sj:45
@@ -418,5 +418,5 @@ def observe(state: State, params: Params) -> Array:
     agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
     others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)
     agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)
-    marks = (seen_0 >> MARK_SHIFT) & MARK_MASK
+    marks = (seen_0 >> MARKS_SHIFT) & MARKS_MASK
     return planes_of(WINDOW, None, content, agents, marks)

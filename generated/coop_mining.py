@@ -7,8 +7,8 @@ import jax.numpy as jnp
 from flax import struct
 from jax import Array
 
-from sjdsl.runtime.bits import from_bits
-from sjdsl.runtime.counting import occupied, size_of_set, times_in
+from sjdsl.runtime.bits import from_bits, size_of_set
+from sjdsl.runtime.counting import occupied, times_in
 from sjdsl.runtime.random_bits import below, next_threshold, random_bits, threshold
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import cells_of, lane_reach, next_cells, own_cell, painted, shape_offsets, site_numbers
@@ -104,8 +104,8 @@ LEFT = 5  # cells of a window
 RIGHT = 5  # cells of a window
 CONTENT_MASK = 7
 AGENT_MASK = 7
-MARK_MINE_SHIFT = 6
-MARK_MINE_MASK = 1
+MARKS_SHIFT = 6
+MARKS_MASK = 1
 MARKS_OF_MINE = 18  # cells that mine can mark
 STREAM_START = 0x85f9092c  # coop_mining.sj:39
 STREAM_START_2 = 0xf7e7fa1d  # coop_mining.sj:39
@@ -399,5 +399,5 @@ def observe(state: State, params: Params) -> Array:
     agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
     others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)
     agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)
-    marks = (seen_0 >> MARK_MINE_SHIFT) & MARK_MINE_MASK
+    marks = (seen_0 >> MARKS_SHIFT) & MARKS_MASK
     return planes_of(WINDOW, None, content, agents, marks)

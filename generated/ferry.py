@@ -468,9 +468,7 @@ def sell(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     reward = out.reward + jnp.where(on_stall, params.price[sales], 0.0)
     agent_load_added = jnp.where(on_stall, jnp.int32(-1), jnp.int32(0))
     world_sold_added = sum_of(  # ferry.sj:77
-        jnp.where(one_hot(0, NUM_WORLD_SOLD)[None, :], on_stall[..., None].astype(jnp.int32), jnp.int32(0)),
-        axis=0,
-        dtype=jnp.int32,
+        jnp.where(one_hot(0, NUM_WORLD_SOLD)[None, :], on_stall[:, None].astype(jnp.int32), 0), axis=0, dtype=jnp.int32
     )
     event_sold_ = out.event_sold_ + on_stall.astype(jnp.int32)
     agent_load = jnp.clip(state.agent_load.astype(jnp.int32) + agent_load_added, 0, 4).astype(jnp.uint8)

@@ -109,8 +109,8 @@ LEFT = 5  # cells of a window
 RIGHT = 5  # cells of a window
 CONTENT_MASK = 7
 AGENT_MASK = 7
-MARK_OFFER_SHIFT = 6
-MARK_OFFER_MASK = 1
+MARKS_SHIFT = 6
+MARKS_MASK = 1
 MARKS_OF_OFFER = 5  # cells that offer can mark
 STREAM_START = 0x85f9092c  # gift_refinement.sj:36
 STREAM_START_2 = 0xf7e7fa1d  # gift_refinement.sj:36
@@ -259,7 +259,7 @@ def collect(state: State, out: Outcome, params: Params, actions: Array, key: Arr
     to_ground = jnp.where(on_ground_and_is_raw, ground_under, NUM_GROUND)
     ground_token = set_at(state.ground_token, to_ground, GROUND_NONE)
     agent_bag_added = jnp.where(
-        one_hot(AGENT_BAG_RAW, NUM_AGENT_BAG)[None, :], on_ground_and_is_raw[..., None].astype(jnp.int32), jnp.int32(0)
+        one_hot(AGENT_BAG_RAW, NUM_AGENT_BAG)[None, :], on_ground_and_is_raw[:, None].astype(jnp.int32), 0
     )
     agent_bag = jnp.clip(state.agent_bag.astype(jnp.int32) + agent_bag_added, 0, 15).astype(jnp.uint8)
     return state.replace(ground_token=ground_token, agent_bag=agent_bag), out
@@ -311,9 +311,9 @@ def offer(state: State, out: Outcome, params: Params, actions: Array, key: Array
     )
     agent_bag_added = sum_of(  # gift_refinement.sj:56
         jnp.where(
-            one_hot(level[:, None], NUM_AGENT_BAG),
-            jnp.where(where_bag_becomes_level_below_15, jnp.int32(-1), jnp.int32(0))[..., None],
-            jnp.int32(0),
+            one_hot(level, NUM_AGENT_BAG)[:, None, :],
+            jnp.where(where_bag_becomes_level_below_15, jnp.int32(-1), jnp.int32(0))[:, :, None],
+            0,
         ),
         axis=1,
         dtype=jnp.int32,
@@ -322,9 +322,9 @@ def offer(state: State, out: Outcome, params: Params, actions: Array, key: Array
         jnp.zeros((NUM_AGENTS, NUM_AGENT_BAG), jnp.int32),
         friend,
         jnp.where(
-            one_hot(params.becomes[level][:, None], NUM_AGENT_BAG),
-            jnp.where(where_bag_becomes_level_below_15, params.yields[level][:, None], 0)[..., None],
-            jnp.int32(0),
+            one_hot(params.becomes[level], NUM_AGENT_BAG)[:, None, :],
+            jnp.where(where_bag_becomes_level_below_15, params.yields[level][:, None], 0)[:, :, None],
+            0,
         ),
     )
     given = count_of(where_bag_becomes_level_below_15, axis=1)  # gift_refinement.sj:58
@@ -351,8 +351,8 @@ def receive(
     post_level_above_0 = state.agent_post[:, agent_bag_level] > 0  # gift_refinement.sj:64
     agent_bag_added = jnp.where(  # gift_refinement.sj:65
         one_hot(agent_bag_level, NUM_AGENT_BAG)[None, :],
-        jnp.where(post_level_above_0, state.agent_post[:, agent_bag_level].astype(jnp.int32), 0)[..., None],
-        jnp.int32(0),
+        jnp.where(post_level_above_0, state.agent_post[:, agent_bag_level].astype(jnp.int32), 0)[:, None],
+        0,
     )
     event_received = add_to_entry(  # gift_refinement.sj:66
         out.event_received,
@@ -406,7 +406,7 @@ def observe(state: State, params: Params) -> Array:
     agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
     others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)
     agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)
-    marks = (seen_0 >> MARK_OFFER_SHIFT) & MARK_OFFER_MASK
+    marks = (seen_0 >> MARKS_SHIFT) & MARKS_MASK
     shown_bag = state.agent_bag[:, AGENT_BAG_RAW]
     shown_bag_2 = state.agent_bag[:, AGENT_BAG_CUT]
     shown_bag_3 = state.agent_bag[:, AGENT_BAG_FINE]

@@ -92,8 +92,8 @@ LEFT = 5  # cells of a window
 RIGHT = 5  # cells of a window
 CONTENT_MASK = 7
 AGENT_MASK = 7
-MARK_FIRE_SHIFT = 6
-MARK_FIRE_MASK = 1
+MARKS_SHIFT = 6
+MARKS_MASK = 1
 SOIL_UP = 1  # added to what is painted, from soil on
 MARKS_OF_FIRE = 28  # cells that fire can mark
 STREAM_START = 0x8be3eb0b  # harvest_open.sj:39
@@ -359,5 +359,5 @@ def observe(state: State, params: Params) -> Array:
     agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
     others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)
     agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)
-    marks = (seen_0 >> MARK_FIRE_SHIFT) & MARK_FIRE_MASK
+    marks = (seen_0 >> MARKS_SHIFT) & MARKS_MASK
     return planes_of(WINDOW, None, content, agents, marks)

@@ -102,7 +102,8 @@ STEP_BY = jnp.asarray([4, 0, 2, 3, 1, 4], jnp.int32)  # direction of a step by a
 NEXT_CELL = jnp.asarray(next_cells(MAP, PAD, "#"))
 # number of each cell among floor; past the end: none
 SITE_OF_FLOOR = jnp.asarray(site_numbers(MAP, PAD, cells_of(MAP, PAD, ".")))
-BESIDE_AROUND = jnp.asarray(shape_offsets(MAP, PAD, ((1, 0), (0, -1), (0, 1), (-1, 0)))[0])  # cells of beside
+# cells of beside from an agent's cell, for each heading
+BESIDE_OFFSETS = jnp.asarray(shape_offsets(MAP, PAD, ((1, 0), (0, -1), (0, 1), (-1, 0))))
 CELLS_FLOOR = jnp.asarray(cells_of(MAP, PAD, "."))  # cells of floor
 BASE = jnp.asarray(painted(MAP, PAD, {".": 1, "P": 5, "#": 6}))  # looks of the cells of the frame, fields aside
 MYSELF = jnp.asarray(own_cell(9, 9, 4, 4))  # which cell of its window is the observer's own
@@ -243,9 +244,8 @@ def load(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     }
     """
     food_above_0 = state.floor_food > 0  # lb_foraging.sj:50
-    in_beside = any_of(  # lb_foraging.sj:51
-        (CELLS_FLOOR[:, None] + BESIDE_AROUND[None, :])[:, :, None] == state.position[None, None, :], axis=1
-    )
+    beside_cells = CELLS_FLOOR[:, None] + BESIDE_OFFSETS[0][None, :]  # lb_foraging.sj:51
+    in_beside = any_of(beside_cells[:, :, None] == state.position[None, None, :], axis=1)
     strength = sum_of(
         jnp.where(in_beside & (actions == ACTION_LOAD)[None, :], state.agent_level[None, :].astype(jnp.int32), 0),
         axis=1,

@@ -21,7 +21,7 @@ from sjdsl.runtime.geometry import (
     values_of,
 )
 from sjdsl.runtime.movement import resolve
-from sjdsl.runtime.placing import choose_by_chance, place
+from sjdsl.runtime.placing import choose, place
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.reductions import any_of, count_of, sum_of
 from sjdsl.runtime.rows import one_hot
@@ -109,8 +109,8 @@ LEFT = 5  # cells of a window
 RIGHT = 5  # cells of a window
 CONTENT_MASK = 7
 AGENT_MASK = 7
-MARK_FIRE_SHIFT = 6
-MARK_FIRE_MASK = 1
+MARKS_SHIFT = 6
+MARKS_MASK = 1
 MARKS_OF_FIRE = 20  # cells that fire can mark
 STREAM_START = 0xafd9f3dd  # mushrooms.sj:49
 STREAM_START_2 = 0x1943027e  # mushrooms.sj:49
@@ -323,7 +323,7 @@ def sprout(
     ground_under = SITE_OF_GROUND[state.position]  # mushrooms.sj:66
     covered = occupied(ground_under, NUM_GROUND)
     member = (state.ground_grows == GROUND_NONE) & ~covered
-    taken = choose_by_chance(
+    taken = choose(
         member,
         random_bits(key, stream, 20),
         state.world_trials[ground_what - 1].astype(jnp.int32),
@@ -392,7 +392,7 @@ def observe(state: State, params: Params) -> Array:
     agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
     others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)
     agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)
-    marks = (seen_0 >> MARK_FIRE_SHIFT) & MARK_FIRE_MASK
+    marks = (seen_0 >> MARKS_SHIFT) & MARKS_MASK
     return planes_of(
         WINDOW,
         None,

@@ -172,7 +172,6 @@ AGENT_MASK = 7
 STREAM_LOOK = 22  # as it is painted
 STREAM_UP = 4  # added to what is painted, from stream on
 WATER_SHOWN = 2  # as it is shown
-MARK_MASK = 3
 MARKS_OF_SCRUB = 20  # cells that scrub can mark
 MARKS_OF_FIRE = 20  # cells that fire can mark
 STREAM_START = 0x36d7f8b2  # open_clean_up.sj:67
@@ -635,14 +634,13 @@ def observe(state: State, params: Params) -> Array:
     agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
     others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)
     agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)
-    marks = seen_1 & MARK_MASK
     shown_heading = state.heading.astype(jnp.uint8)  # open_clean_up.sj:138
     return planes_of(
         WINDOW,
         None,
         content,
         agents,
-        marks,
+        seen_1,
         jnp.broadcast_to(state.agent_older[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
         jnp.broadcast_to(state.agent_newer[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),
         jnp.broadcast_to(shown_heading[:, None], (NUM_AGENTS, NUM_VIEW_CELLS)),

@@ -461,10 +461,10 @@ def grow(state: State, out: Outcome, params: Params, actions: Array, key: Array)
     event_grown = out.event_grown + grown
     is_unripe_and_left_is_0 = (state.tree_fruit == TREE_UNRIPE_2) & (state.tree_left == 0)  # open_harvest.sj:82
     tree_fruit = jnp.where(is_unripe_and_left_is_0, TREE_RIPE_2, tree_fruit)
-    tree_left = jnp.where(is_unripe_and_left_is_0, state.tree_pace.astype(jnp.int32).astype(jnp.uint8), tree_left)
+    tree_left = jnp.where(is_unripe_and_left_is_0, state.tree_pace, tree_left)
     is_ripe_and_left_is_0 = (state.tree_fruit == TREE_RIPE_2) & (state.tree_left == 0)  # open_harvest.sj:83
     tree_fruit = jnp.where(is_ripe_and_left_is_0, TREE_OVERRIPE, tree_fruit)
-    tree_left = jnp.where(is_ripe_and_left_is_0, state.tree_pace.astype(jnp.int32).astype(jnp.uint8), tree_left)
+    tree_left = jnp.where(is_ripe_and_left_is_0, state.tree_pace, tree_left)
     is_overripe_and_left_is_0 = (state.tree_fruit == TREE_OVERRIPE) & (state.tree_left == 0)  # open_harvest.sj:84
     # open_harvest.sj:85
     wait = below(random_bits(key, STREAM_GROW_3, NUM_TREE), params.rot_most - params.rot_least + 1) + params.rot_least

@@ -11,7 +11,7 @@ from sjdsl.runtime.bits import as_bits, from_bits
 from sjdsl.runtime.random_bits import random_bits, threshold, unit
 from sjdsl.runtime.fields import StateField
 from sjdsl.runtime.geometry import cells_of, own_cells, view_cells, painted
-from sjdsl.runtime.placing import pick, place_fitting
+from sjdsl.runtime.placing import pick, place
 from sjdsl.runtime.planes import TokenPlane
 from sjdsl.runtime.reductions import any_of, count_of, sum_of
 from sjdsl.runtime.rows import one_hot
@@ -217,8 +217,8 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
     sent = jnp.full(NUM_AGENTS, True)  # reputation.sj:38
     col = CELLS_HOUSE % FRAME_COLS
     fitting = (col - PAD)[None, :] == jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None]
-    position, placed = place_fitting(
-        CELLS_HOUSE, None, fitting, random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent
+    position, placed = place(
+        CELLS_HOUSE, None, random_bits(key, STREAM_START, NUM_AGENTS), state.position, sent, fitting
     )
     heading = jnp.where(placed, NORTH, state.heading)
     return state.replace(position=position, heading=heading), out

@@ -264,14 +264,14 @@ def start(state: State, out: Outcome, params: Params, actions: Array, key: Array
     stag_position, placed_2 = place(
         CELLS_MEADOW, free, random_bits(key, STREAM_START_2, NUM_STAG), state.stag_position, sent_2
     )
-    stag_heading = jnp.where(placed_2, jnp.uint8(NORTH), state.stag_heading)
+    stag_heading = jnp.where(placed_2, NORTH, state.stag_heading)
     stag_away = jnp.where(placed_2, 0, state.stag_away)
     entered_2 = SITE_OF_MEADOW[jnp.where(placed_2, stag_position, NOWHERE)]
     free_2 = ~occupied(entered, NUM_MEADOW) & ~occupied(entered_2, NUM_MEADOW)
     hare_position, placed_3 = place(
         CELLS_MEADOW, free_2, random_bits(key, STREAM_START_3, NUM_HARE), state.hare_position, sent
     )
-    hare_heading = jnp.where(placed_3, jnp.uint8(NORTH), state.hare_heading)
+    hare_heading = jnp.where(placed_3, NORTH, state.hare_heading)
     hare_away = jnp.where(placed_3, 0, state.hare_away)
     return (
         state.replace(

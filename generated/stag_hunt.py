@@ -124,8 +124,8 @@ LEFT = 5  # cells of a window
 RIGHT = 5  # cells of a window
 CONTENT_MASK = 7
 AGENT_MASK = 7
-MARK_MEET_SHIFT = 6
-MARK_MEET_MASK = 1
+MARKS_SHIFT = 6
+MARKS_MASK = 1
 MARKS_OF_MEET = 4  # cells that meet can mark
 STREAM_START = 0xa452ab5d  # pd_arena.sj:42
 STREAM_START_2 = 0xcb7943f8  # pd_arena.sj:42
@@ -292,9 +292,7 @@ def collect(state: State, out: Outcome, params: Params, actions: Array, key: Arr
     to_patch = jnp.where(on_patch_and_is_ripe, patch_under, NUM_PATCH)  # pd_arena.sj:50
     patch_stock = set_at(state.patch_stock, to_patch, PATCH_NONE)
     agent_bag_added = jnp.where(  # pd_arena.sj:51
-        one_hot(state.patch_class[patch_under], NUM_PATCH_CLASS),
-        on_patch_and_is_ripe[..., None].astype(jnp.int32),
-        jnp.int32(0),
+        one_hot(state.patch_class[patch_under], NUM_PATCH_CLASS), on_patch_and_is_ripe[:, None].astype(jnp.int32), 0
     )
     event_collected = out.event_collected + (
         on_patch_and_is_ripe[:, None] & one_hot(state.patch_class[patch_under], NUM_PATCH_CLASS)
@@ -393,7 +391,7 @@ def observe(state: State, params: Params) -> Array:
     agent = (seen_0 >> AGENT_SHIFT) & AGENT_MASK
     others = 2 + ((agent - 1 - state.heading.astype(jnp.uint8)[:, None]) & 3)
     agents = jnp.where(MYSELF[None], 1, jnp.where(agent != 0, others, 0)).astype(jnp.uint8)
-    marks = (seen_0 >> MARK_MEET_SHIFT) & MARK_MEET_MASK
+    marks = (seen_0 >> MARKS_SHIFT) & MARKS_MASK
     shown_bag = state.agent_bag[:, PATCH_STAG]  # pd_arena.sj:75
     shown_bag_2 = state.agent_bag[:, PATCH_HARE]
     shown_resting = jnp.where(state.agent_resting > 0, jnp.uint8(0), jnp.uint8(1))

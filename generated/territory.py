@@ -144,19 +144,16 @@ NUM_PAINT_CELLS = 2  # cells of the shape
 NOBODY = -1  # in place of an agent's number
 FRAME_CELLS = 1369
 BRICK_LOOK = 3  # as it is painted
-MARK_CLAIM_BIT = 128
-MARK_FIRE_BIT = 16
+MARK_CLAIM_BIT = 16
+MARK_FIRE_BIT = 32
 NUM_VIEW_CELLS = 121  # cells of a window
 AHEAD = 9  # cells of a window
 BEHIND = 1  # cells of a window
 LEFT = 5  # cells of a window
 RIGHT = 5  # cells of a window
-CONTENT_MASK = 127
 AGENT_MASK = 15
-MARK_CLAIM_SHIFT = 7
-MARK_CLAIM_MASK = 1
-MARK_FIRE_SHIFT = 4
-MARK_FIRE_MASK = 1
+MARKS_SHIFT = 4
+MARKS_MASK = 3
 GATE_LOOK = 93  # as it is painted
 GATE_DOWN = 63  # taken from what is painted, from gate on
 BRICK_SHOWN = 3  # as it is shown
@@ -565,7 +562,7 @@ def observe(state: State, params: Params) -> Array:
         CELLS_BRICK,
         look_number(BRICK_LOOK, (3, 3, 10), state.brick_paint, state.brick_damage, state.brick_owner + 1),
     )
-    plane_0 = paint(plane_0, state.mark_claim, MARK_CLAIM_BIT)  # territory.sj:50
+    plane_1 = paint(plane_1, state.mark_claim, MARK_CLAIM_BIT)  # territory.sj:50
     plane_1 = paint(plane_1, state.mark_fire, MARK_FIRE_BIT)  # territory.sj:64
     plane_1 = paint(plane_1, state.position, jnp.arange(NUM_AGENTS, dtype=jnp.uint8) + 1)  # territory.sj:33
     seen_0 = windows(  # territory.sj:89
@@ -574,8 +571,7 @@ def observe(state: State, params: Params) -> Array:
     seen_1 = windows(
         plane_1.reshape(FRAME), state.position, state.heading, ahead=AHEAD, behind=BEHIND, left=LEFT, right=RIGHT
     )
-    raw = seen_0 & CONTENT_MASK
-    is_brick, brick_paint, brick_damage, brick_owner = look_fields(raw, BRICK_LOOK, (3, 3, 10))
+    is_brick, brick_paint, brick_damage, brick_owner = look_fields(seen_0, BRICK_LOOK, (3, 3, 10))
     shown_owner = jnp.where(
         brick_owner.astype(jnp.int32) - 1 == jnp.arange(NUM_AGENTS, dtype=jnp.int32)[:, None],
         0,
@@ -585,7 +581,7 @@ def observe(state: State, params: Params) -> Array:
     content = jnp.where(
         is_brick,
         look_number(BRICK_SHOWN, (3, 3, 3), brick_paint, shown_owner, shown_damage),
-        jnp.where(raw < GATE_LOOK, raw, raw - GATE_DOWN),
+        jnp.where(seen_0 < GATE_LOOK, seen_0, seen_0 - GATE_DOWN),
     )
     agent = seen_1 & AGENT_MASK
     who = jnp.maximum(agent.astype(jnp.int32) - 1, 0)
@@ -595,7 +591,7 @@ def observe(state: State, params: Params) -> Array:
         jnp.where(agent != 0, (2 + ((state.heading[who] - state.heading[:, None]) & 3)).astype(jnp.uint8), 0),
     ).astype(jnp.uint8)
     theirs = (agent != 0) & ~MYSELF[None]
-    marks = ((seen_0 >> MARK_CLAIM_SHIFT) & MARK_CLAIM_MASK) | (((seen_1 >> MARK_FIRE_SHIFT) & MARK_FIRE_MASK) << 1)
+    marks = (seen_1 >> MARKS_SHIFT) & MARKS_MASK
     present = state.position != NOWHERE
     return planes_of(
         WINDOW,

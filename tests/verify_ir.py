@@ -21,7 +21,7 @@ def verify(game: ir.Game) -> ir.Game:
         match node:
             case ir.Near(shape=shape) | ir.Mark(shape=shape) | ir.Aim(shape=shape):
                 assert shape in shapes, node
-            case ir.Member(sort=ir.Sort(what="cell")):
+            case ir.Member(entity_type=ir.EntityType(what="cell")):
                 assert node.kinds and set(node.kinds) <= kinds, node
             case ir.Word():
                 assert node.value in node.type.words, node

@@ -8,8 +8,8 @@ from itertools import compress
 from typing import Any
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.entity_types import Level
 from sjdsl.compiler.ir.printer import number_text
-from sjdsl.compiler.ir.sorts import Level
 
 Mark = Callable[[str], str]  # such as `code`; `str` leaves a word as it is
 SMALLEST = 1e-9  # smaller numbers are written with an exponent

@@ -195,11 +195,11 @@ def declared_world(board: Board, params: dict[str, Value]) -> World:
         away=[None] * board.agents,
         marks=[],
         params=dict(params),
-        movers={sort.name: _declared_herd(sort) for sort in game.movers},
+        movers={movers.name: _declared_herd(movers) for movers in game.movers},
     )
 
 
-def _declared_herd(sort: ir.Movers) -> Herd:
+def _declared_herd(movers: ir.Movers) -> Herd:
     """Returns the movers of an entity type before the phase `start`."""
-    fields = {f.name: [field_value(f, f.start)] * sort.number for f in sort.fields}
-    return Herd([None] * sort.number, [False] * sort.number, [None] * sort.number, fields)
+    fields = {f.name: [field_value(f, f.start)] * movers.number for f in movers.fields}
+    return Herd([None] * movers.number, [False] * movers.number, [None] * movers.number, fields)

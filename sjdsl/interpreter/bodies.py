@@ -3,7 +3,7 @@
 from collections.abc import Collection, Iterator
 from typing import TypeAlias
 
-from sjdsl.compiler.ir.sorts import AGENTS, Sort
+from sjdsl.compiler.ir.entity_types import AGENTS, EntityType
 from sjdsl.interpreter.state import HEADINGS, Away, Cell, Herd, Mover, World
 
 Body: TypeAlias = int | Mover  # an agent's number, or a mover
@@ -11,17 +11,20 @@ Body: TypeAlias = int | Mover  # an agent's number, or a mover
 
 def herd_of(body: Body, world: World) -> World | Herd:
     """Returns the object with the places of all bodies of the same entity type."""
-    return world.movers[body.sort] if isinstance(body, Mover) else world
+    return world.movers[body.entity_type] if isinstance(body, Mover) else world
 
 
-def herds(world: World) -> dict[Sort, World | Herd]:
+def herds(world: World) -> dict[EntityType, World | Herd]:
     """Returns the objects with the places of the agents, and of each entity type of movers."""
-    return {AGENTS: world, **{Sort("mover", (name,)): herd for name, herd in world.movers.items()}}
+    return {
+        AGENTS: world,
+        **{EntityType("mover", (name,)): herd for name, herd in world.movers.items()},
+    }
 
 
-def sort_of_body(body: Body) -> Sort:
+def type_of_body(body: Body) -> EntityType:
     """Returns the entity type of a body."""
-    return Sort("mover", (body.sort,)) if isinstance(body, Mover) else AGENTS
+    return EntityType("mover", (body.entity_type,)) if isinstance(body, Mover) else AGENTS
 
 
 def number_of(body: Body) -> int:
@@ -42,14 +45,14 @@ def away_of(body: Body, world: World) -> Away | None:
 def heading_of(body: Body, world: World) -> int:
     """Returns the heading of a body: 0 north, 1 east, 2 south, 3 west."""
     if isinstance(body, Mover):
-        return HEADINGS.index(world.movers[body.sort].fields["heading"][body.number])
+        return HEADINGS.index(world.movers[body.entity_type].fields["heading"][body.number])
     return world.heading[body]
 
 
 def turn(body: Body, heading: int, world: World) -> None:
     """Turns a body to a heading, numbered as by `heading_of`."""
     if isinstance(body, Mover):
-        world.movers[body.sort].fields["heading"][body.number] = HEADINGS[heading]
+        world.movers[body.entity_type].fields["heading"][body.number] = HEADINGS[heading]
     else:
         world.heading[body] = heading
 
@@ -57,8 +60,8 @@ def turn(body: Body, heading: int, world: World) -> None:
 def bodies(world: World) -> Iterator[Body]:
     """Yields all agents, then all movers of each entity type."""
     yield from range(len(world.position))
-    for sort, herd in world.movers.items():
-        yield from (Mover(sort, number) for number in range(len(herd.position)))
+    for entity_type, herd in world.movers.items():
+        yield from (Mover(entity_type, number) for number in range(len(herd.position)))
 
 
 def occupied(world: World, without: Collection[Body] = ()) -> set[Cell]:

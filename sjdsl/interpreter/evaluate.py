@@ -20,7 +20,7 @@ from sjdsl.interpreter.bodies import (
     herd_of,
     is_free,
     number_of,
-    sort_of_body,
+    type_of_body,
     where_is,
 )
 from sjdsl.interpreter.instance import Instance
@@ -145,7 +145,7 @@ def _field(e: ir.FieldRead, instance: Instance) -> Value:
     if e.held_by.what == "agent":
         return instance.world.agents[e.name][owner]
     if e.held_by.what == "mover":
-        return instance.world.movers[owner.sort].fields[e.name][owner.number]
+        return instance.world.movers[owner.entity_type].fields[e.name][owner.number]
     return instance.world.cells[instance.board.kind_of[owner], e.name][instance.board.number[owner]]
 
 
@@ -270,7 +270,7 @@ def lanes(near: ir.Near, instance: Instance) -> list[list[Seen]]:
     """Returns the lanes of a shape around its anchor, as far as they go."""
     shape = instance.board.shapes[near.shape]
     anchor = instance.names[near.anchor.name]
-    body = None if near.anchor.sort.what == "cell" else anchor
+    body = None if near.anchor.entity_type.what == "cell" else anchor
     place = anchor if body is None else where_is(body, instance.world)
     heading = heading_of(body, instance.world) if shape.directed and body is not None else 0
 
@@ -304,7 +304,7 @@ def is_blocked(cell: Cell, blocked: str, body: Body | None, instance: Instance) 
     kind = instance.board.kinds[instance.board.kind_of[cell]]
     names: dict[str, Value] = {kind.name: cell}
     if body is not None:
-        names[sort_of_body(body).name] = body
+        names[type_of_body(body).name] = body
     return any(
         block.what == blocked
         and (block.condition is None or evaluate(block.condition, instance.only(names)))
@@ -325,7 +325,7 @@ def _agent_blocks(cell: Cell, blocked: str, instance: Instance) -> bool:
 def _nearest_in(domain: ir.Domain, lane: list[Seen], instance: Instance) -> Bound | None:
     """Returns the nearest member in a lane, None if there is none."""
     for cell, number in lane:
-        if domain.var.sort.what != "cell":
+        if domain.var.entity_type.what != "cell":
             body = body_on(cell, domain, instance.world)
             member = None if body is None else _bind(domain, body, number_of(body), instance)
         else:
@@ -342,7 +342,7 @@ def _candidates(domain: ir.Domain, instance: Instance) -> list[tuple[Body | Cell
     Each with its number, in the order of these.
     """
     restriction = domain.restriction
-    if domain.var.sort.what == "cell" and isinstance(restriction, ir.Near):
+    if domain.var.entity_type.what == "cell" and isinstance(restriction, ir.Near):
         cells = cells_in(restriction, instance)  # numbered as cells of the shape
         of_kinds = [cell for cell in cells if instance.board.kind_of[cell] in domain.var.kinds]
         return [(cell, cells[cell]) for cell in sorted(of_kinds, key=cells.__getitem__)]
@@ -373,13 +373,18 @@ def _population(domain: ir.Domain, instance: Instance) -> list[tuple[Body | Cell
 
     Each with its number.
     """
-    sort = domain.var.sort
-    if sort.what == "cell":
-        return [(cell, number) for number, cell in enumerate(cells_of(instance.board, sort.names))]
-    herd = instance.world.movers[sort.name] if sort.what == "mover" else instance.world
+    entity_type = domain.var.entity_type
+    if entity_type.what == "cell":
+        return [
+            (cell, number)
+            for number, cell in enumerate(cells_of(instance.board, entity_type.names))
+        ]
+    herd = (
+        instance.world.movers[entity_type.name] if entity_type.what == "mover" else instance.world
+    )
     present = [number for number, away in enumerate(herd.away) if away is None]
-    if sort.what == "mover":
-        return [(Mover(sort.name, number), number) for number in present]
+    if entity_type.what == "mover":
+        return [(Mover(entity_type.name, number), number) for number in present]
     return [(number, number) for number in present]
 
 

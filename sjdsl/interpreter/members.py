@@ -24,18 +24,18 @@ class Bound:
 
 def radix(domain: ir.Domain, board: Board) -> int:
     """Returns how many members the domain could have."""
-    if isinstance(domain.restriction, ir.Near) and domain.var.sort.what == "cell":
+    if isinstance(domain.restriction, ir.Near) and domain.var.entity_type.what == "cell":
         return shapes.num_places(board.shapes[domain.restriction.shape])
     return population(domain, board)
 
 
 def population(domain: ir.Domain, board: Board) -> int:
     """Returns how many agents, movers of the domain's entity type, or cells of its kinds exist."""
-    match domain.var.sort.what:
+    match domain.var.entity_type.what:
         case "agent":
             return board.agents
         case "mover":
-            return movers_named(board.game, domain.var.sort.name).number
+            return movers_named(board.game, domain.var.entity_type.name).number
         case "cell":
             return len(cells_of(board, domain.var.kinds))
         case "world":
@@ -56,11 +56,11 @@ def is_on_map(body: Body, world: World) -> bool:
 
 def body_on(cell: Cell, domain: ir.Domain, world: World) -> Body | None:
     """Returns the agent, or the mover of the domain's entity type, that stands on a cell."""
-    if domain.var.sort.what == "agent":
+    if domain.var.entity_type.what == "agent":
         return agent_on(cell, world)
-    sort = domain.var.sort.name
-    places = world.movers[sort].position
-    return Mover(sort, places.index(cell)) if cell in places else None
+    entity_type = domain.var.entity_type.name
+    places = world.movers[entity_type].position
+    return Mover(entity_type, places.index(cell)) if cell in places else None
 
 
 def agent_on(cell: Cell, world: World) -> int | None:

@@ -13,8 +13,8 @@ from sjdsl.interpreter.bodies import (
     is_free,
     number_of,
     occupied,
-    sort_of_body,
     turn,
+    type_of_body,
     where_is,
 )
 from sjdsl.interpreter.evaluate import evaluate, is_blocked, members_of
@@ -27,7 +27,7 @@ STEPS = {"forward": 0, "step_right": 1, "backward": 2, "step_left": 3}
 
 
 def move(
-    sort: ir.Sort,
+    entity_type: ir.EntityType,
     ranks: dict[Body, int],
     courses: dict[Body, int | None],
     instance: Instance,
@@ -58,7 +58,7 @@ def move(
             turn(body, (heading_of(body, instance.world) + turns) % 4, world)
         elif direction is not None:
             turn(body, direction, world)
-    herd = herds(world)[sort]
+    herd = herds(world)[entity_type]
     herd.moved = [False for _ in herd.moved]
     for body, target in targets.items():
         herd.position[number_of(body)] = target
@@ -131,7 +131,7 @@ def _target(body: Body, direction: int | None, instance: Instance) -> Cell | Non
         return None
     rows, cols = FORWARD[direction]
     target = instance.board.at(place.row + rows, place.col + cols)
-    if target is None or is_blocked(target, sort_of_body(body).plural, body, instance):
+    if target is None or is_blocked(target, type_of_body(body).plural, body, instance):
         return None
     return target
 

@@ -145,12 +145,12 @@ def _agent_token(cell: Cell, agent: int, instance: Instance) -> int:
 
 def _mover_token(observable: ir.Observable, cell: Cell, agent: int, instance: Instance) -> int:
     """Returns the token of a mover on a cell, 0 where there is none."""
-    sort = observable.kind
-    places = instance.world.movers[sort].position
+    entity_type = observable.kind
+    places = instance.world.movers[entity_type].position
     if cell not in places:
         return 0
-    mover = Mover(sort, places.index(cell))
-    inner = instance.binding({sort: mover})
+    mover = Mover(entity_type, places.index(cell))
+    inner = instance.binding({entity_type: mover})
     is_hidden = _is_hidden(observable, inner)
     if not observable.field:
         return int(not is_hidden)

@@ -189,7 +189,7 @@ def _move(statement: ir.Move, instance: Instance, writes: Writes) -> None:
     """Collects who moves, with their ranks, and the courses of movers."""
     assert writes.movers is None, "two `move` in one phase"
     writes.movers = {}
-    writes.sort = statement.domain.var.sort
+    writes.entity_type = statement.domain.var.entity_type
     radix = members.radix(statement.domain, instance.board)
     for bound in members_of(statement.domain, instance):
         body = bound.member

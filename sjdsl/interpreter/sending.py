@@ -16,8 +16,8 @@ from sjdsl.interpreter.bodies import (
     herd_of,
     number_of,
     occupied,
-    sort_of_body,
     turn,
+    type_of_body,
 )
 from sjdsl.interpreter.evaluate import evaluate
 from sjdsl.interpreter.instance import Instance
@@ -92,7 +92,7 @@ def _no_room(agent: Body, statement: ir.Send) -> str:
     """
     kinds = " or ".join(statement.domain.var.kinds)
     return (
-        f"{sort_of_body(agent).name} {number_of(agent)} is sent to {kinds}, where no cell is free"
+        f"{type_of_body(agent).name} {number_of(agent)} is sent to {kinds}, where no cell is free"
     )
 
 

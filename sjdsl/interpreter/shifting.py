@@ -11,7 +11,7 @@ from sjdsl.interpreter.bodies import (
     herds,
     is_free,
     number_of,
-    sort_of_body,
+    type_of_body,
     where_is,
 )
 from sjdsl.interpreter.evaluate import cell_of, evaluate, is_blocked
@@ -36,7 +36,7 @@ def make_shifting(agent: Body, statement: ir.Shift, instance: Instance) -> Shift
     heading = _heading(agent, statement, instance)
     target = place
     if heading is not None and steps > 0:
-        blocked = sort_of_body(agent).plural
+        blocked = type_of_body(agent).plural
         path: list[Cell] = []
         for ahead in range(1, steps + 1):
             cell = instance.board.at(*place_at(place, heading, ahead, 0))
@@ -85,11 +85,11 @@ def shift(shifts: list[Shifting], instance: Instance, world: World) -> None:
     places of the others.
     """
     agents, *movers = herds(world)
-    for sort in (*movers, agents):
+    for entity_type in (*movers, agents):
         ranks: dict[Body, int] = {}
         targets: dict[Body, Cell] = {}
-        of_sort = [sent for sent in shifts if sort_of_body(sent.agent) == sort]
-        for sent in of_sort:
+        of_type = [sent for sent in shifts if type_of_body(sent.agent) == entity_type]
+        for sent in of_type:
             number = number_of(sent.agent)
             # The number, which is below 256, decides between equal random bits.
             ranks[sent.agent] = instance.bits(sent.statement.stream, number) & ~0xFF | number
@@ -97,7 +97,7 @@ def shift(shifts: list[Shifting], instance: Instance, world: World) -> None:
                 targets[sent.agent] = sent.target
         stay_if_outranked(targets, ranks)
         stay_if_taken(targets, world)
-        for agent, statement, _, facing in of_sort:
+        for agent, statement, _, facing in of_type:
             if agent in targets:
                 herd_of(agent, world).position[number_of(agent)] = targets[agent]
                 enter_facing(agent, facing, statement.heading_stream, instance, world)

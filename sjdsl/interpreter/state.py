@@ -28,7 +28,7 @@ class Cell(NamedTuple):
 class Mover(NamedTuple):
     """A mover, by its entity type and its number among those of the type."""
 
-    sort: str
+    entity_type: str
     number: int
 
 
@@ -113,7 +113,7 @@ def copied(world: World) -> World:
         moved=list(world.moved),
         away=list(world.away),
         marks=list(world.marks),
-        movers={sort: _copied(herd) for sort, herd in world.movers.items()},
+        movers={entity_type: _copied(herd) for entity_type, herd in world.movers.items()},
     )
 
 

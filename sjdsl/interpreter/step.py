@@ -264,7 +264,7 @@ def _phase(
         write_fields(writes, instance.board, world)
     if id(phase) in instance.board.moving:
         assert not writes.sends, f"`{phase.label}` moves and sends"
-        move(writes.sort, writes.movers or {}, writes.courses, instance, world)
+        move(writes.entity_type, writes.movers or {}, writes.courses, instance, world)
     headings: dict[int, str] = {}
     for turned, heading in writes.turns:
         assert headings.setdefault(turned, heading) == heading, f"agent {turned} turns two ways"

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.queries import written_field, written_keys
-from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.interpreter.account import Done, Drawn
 from sjdsl.interpreter.board import Board
 from sjdsl.interpreter.bodies import Body
@@ -114,7 +114,7 @@ class Writes:
     turns: list[tuple[int, str]] = field(default_factory=list)  # agents and their new headings
     removes: set[Body] = field(default_factory=set)
     movers: dict[Body, int] | None = None  # the rank of each agent or mover of a `move`
-    sort: ir.Sort = AGENTS  # the entity type of those who `move`
+    entity_type: ir.EntityType = AGENTS  # the entity type of those who `move`
     courses: dict[Body, int | None] = field(default_factory=dict)  # of movers; None: it stays
     marks: set[Cell] = field(default_factory=set)
     end: bool = False
@@ -168,7 +168,7 @@ def _owner(target: ir.FieldRead, instance: Instance) -> tuple[str, int] | None:
     if target.held_by.what == "agent":
         return "agent", owner
     if isinstance(owner, Mover):
-        return owner.sort, owner.number
+        return owner.entity_type, owner.number
     return instance.board.kind_of[owner], instance.board.number[owner]
 
 

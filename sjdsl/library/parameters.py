@@ -9,9 +9,9 @@ import numpy as np
 from sjdsl.compiler import ir
 from sjdsl.compiler.checks.whole_numbers import beyond_int32, boundary
 from sjdsl.compiler.diagnostics.limits import MAX_VALUE
+from sjdsl.compiler.ir.entity_types import Level
 from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.compiler.ir.printer import expression_text, number_text
-from sjdsl.compiler.ir.sorts import Level
 from sjdsl.compiler.ir.values import holds
 from sjdsl.compiler.lower.state import param_value
 from sjdsl.near_names import meant

@@ -9,7 +9,7 @@ from jax import Array
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_of
-from sjdsl.compiler.ir.queries import blocks_always, body_sorts, kinds_by_glyph, shape_named
+from sjdsl.compiler.ir.queries import blocks_always, body_types, kinds_by_glyph, shape_named
 from sjdsl.policies.declared import declared_policies
 from sjdsl.policies.lowering import Cells, LoweredRule, lower_policy
 from sjdsl.runtime.env import Environment
@@ -169,7 +169,7 @@ class Chooser:
         padded_width = width + 2 * self._pad
         positions = []
         for mover in self._game.movers:
-            position = getattr(state, attribute_of("position", mover.sort))
+            position = getattr(state, attribute_of("position", mover.entity_type))
             row = position // padded_width - self._pad
             col = position % padded_width - self._pad
             positions.append(jnp.where(position == 0, -1, row * width + col))
@@ -253,8 +253,8 @@ class Chooser:
         new_width = self._shape[1] + 2 * self._pad
         added = self._pad - module.PAD
         positions = {}
-        for sort in body_sorts(self._game):
-            attribute = attribute_of("position", sort)
+        for entity_type in body_types(self._game):
+            attribute = attribute_of("position", entity_type)
             old = getattr(state, attribute)
             row = old // old_width + added
             col = old % old_width + added

@@ -160,7 +160,7 @@ def lower_policy(policy: ir.ScriptedPolicy, game: ir.Game) -> LoweredPolicy:
 def _closing(game: ir.Game) -> Iterator[ir.Domain]:
     """Yields the domains of cells that an agent can't enter by what it is."""
     for kind in game.kinds:
-        cell = ir.Member(name=kind.name, sort=ir.Sort("cell", (kind.name,)))
+        cell = ir.Member(name=kind.name, entity_type=ir.EntityType("cell", (kind.name,)))
         for block in kind.blocks:
             if closes_paths(block):
                 yield ir.Domain(var=cell, where=block.condition, origin=block.origin)

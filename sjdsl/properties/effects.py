@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import all_fields, beginning_phases, body_sort, written_field
+from sjdsl.compiler.ir.queries import all_fields, beginning_phases, body_type, written_field
 
 # Part of the state: ("agent", field), ("cell", kind, field), ("mover", type, field), ("world",
 # field), ("event", name), or one of those below.
@@ -22,7 +22,7 @@ def is_untouched(e: ir.Expr, game: ir.Game, sends_later: bool = False) -> bool:
     written = set(writes(game))
     if sends_later:
         sends = (node for node in ir.walk(game) if isinstance(node, ir.Send))
-        written |= {part_of("away", body_sort(send.who)) for send in sends}
+        written |= {part_of("away", body_type(send.who)) for send in sends}
     return not reads_and_blocks(e, game) & written
 
 
@@ -52,27 +52,29 @@ def reads(node: ir.Node) -> Iterator[Part]:
             case ir.FieldRead():
                 yield from _parts_of_field(n)
             case ir.Attribute(name="heading" | "moved" | "away"):
-                yield part_of(n.name, body_sort(n.owner))
-            case ir.Attribute(name="row" | "col", owner=ir.Member(sort=ir.Sort(what="cell"))):
+                yield part_of(n.name, body_type(n.owner))
+            case ir.Attribute(
+                name="row" | "col", owner=ir.Member(entity_type=ir.EntityType(what="cell"))
+            ):
                 pass
             case ir.Attribute(name="row" | "col"):
                 yield PLACE
             case ir.Distance():
                 members = [end for end in (n.left, n.right) if isinstance(end, ir.Member)]
-                if any(member.sort.what != "cell" for member in members):
+                if any(member.entity_type.what != "cell" for member in members):
                     yield PLACE
             case ir.Bearing():
-                yield from (PLACE, part_of("heading", body_sort(n.left)))
+                yield from (PLACE, part_of("heading", body_type(n.left)))
             case ir.Step():
                 yield STEP
             case ir.EventTotal():
                 yield ("event", n.name)
             case ir.Near():
-                yield from (PLACE, part_of("heading", body_sort(n.anchor)))
+                yield from (PLACE, part_of("heading", body_type(n.anchor)))
             case ir.Unoccupied() | ir.StandsOn() | ir.StandsAt():
                 yield from (PLACE, HEADING)
-            case ir.Domain(var=ir.Member(sort=ir.Sort(what="agent" | "mover"))):
-                yield part_of("away", body_sort(n.var))
+            case ir.Domain(var=ir.Member(entity_type=ir.EntityType(what="agent" | "mover"))):
+                yield part_of("away", body_type(n.var))
                 if n.on is not None:
                     yield PLACE
             case ir.Wander():
@@ -100,7 +102,7 @@ def writes(game: ir.Game) -> Iterator[Part]:
 
 def _changed_between(game: ir.Game, trials: ir.Trials) -> Iterator[Part]:
     """Yields what can differ from trial to trial though no phase of the schedule writes it."""
-    yield field_part(ir.Sort("world"), "trial")
+    yield field_part(ir.EntityType("world"), "trial")
     kept = {field_part(field.held_by, field.name) for field in trials.kept}
     for phase in beginning_phases(game):
         for node in ir.walk(phase):
@@ -115,18 +117,18 @@ def written_by(n: ir.Node) -> Iterator[Part]:
         case ir.Tally():
             yield ("event", n.event)
         case ir.Move():
-            sort = body_sort(n.domain.var)
-            yield from (PLACE, part_of("heading", sort), part_of("moved", sort))
+            entity_type = body_type(n.domain.var)
+            yield from (PLACE, part_of("heading", entity_type), part_of("moved", entity_type))
         case ir.Send():
-            yield from (PLACE, part_of("heading", body_sort(n.who)))
+            yield from (PLACE, part_of("heading", body_type(n.who)))
             if n.after is not None and n.after.type.high > 0:
-                yield part_of("away", body_sort(n.who))
+                yield part_of("away", body_type(n.who))
         case ir.Shift():
-            yield from (PLACE, part_of("heading", body_sort(n.who)))
+            yield from (PLACE, part_of("heading", body_type(n.who)))
         case ir.Face():
             yield HEADING
         case ir.Remove():
-            yield from (PLACE, part_of("away", body_sort(n.who)))
+            yield from (PLACE, part_of("away", body_type(n.who)))
         case _:
             pass
 
@@ -135,21 +137,21 @@ def _parts_of_field(read: ir.FieldRead) -> Iterator[Part]:
     """Yields the fields that may be read: one for each kind, or type of mover, of the owner."""
     held_by = read.held_by
     for name in held_by.names:
-        yield field_part(ir.Sort(held_by.what, (name,)), read.name)
+        yield field_part(ir.EntityType(held_by.what, (name,)), read.name)
     if not held_by.names:
         yield field_part(held_by, read.name)
 
 
-def field_part(held_by: ir.Sort, name: str) -> Part:
+def field_part(held_by: ir.EntityType, name: str) -> Part:
     """Returns the part that a field is."""
     if held_by.names:
         return (held_by.what, held_by.name, name)
     return (held_by.what, name)
 
 
-def part_of(attribute: str, sort: ir.Sort) -> Part:
+def part_of(attribute: str, entity_type: ir.EntityType) -> Part:
     """Returns `heading`, `moved` or `away` of all agents, or of all movers of a type.
 
     The heading of a mover is one of its fields.
     """
-    return ("mover", sort.name, attribute) if sort.what == "mover" else (attribute,)
+    return ("mover", entity_type.name, attribute) if entity_type.what == "mover" else (attribute,)

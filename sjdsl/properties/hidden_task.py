@@ -14,7 +14,7 @@ from sjdsl.interpreter.threefry import Threefry
 
 STATES = 40
 STEPS = 5  # of random play before each state, at most
-WORLD = ir.Sort("world")
+WORLD = ir.EntityType("world")
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.names import attribute_name, attribute_of
-from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.interpreter.state import Away, Cell, Herd, Value, World, default_params
 from sjdsl.interpreter.stored import loaded
 from sjdsl.runtime.env import Environment
@@ -32,17 +32,22 @@ def world_of(env: Environment, state: Any, params: dict[str, Value] | None = Non
         away=agents.away,
         marks=[],
         params=default_params(game) if params is None else params,
-        movers={sort.name: _herd(sort.sort, sort.fields, env, state) for sort in game.movers},
+        movers={
+            movers.name: _herd(movers.entity_type, movers.fields, env, state)
+            for movers in game.movers
+        },
     )
 
 
-def _herd(sort: ir.Sort, fields: tuple[ir.VarField, ...], env: Environment, state: Any) -> Herd:
+def _herd(
+    entity_type: ir.EntityType, fields: tuple[ir.VarField, ...], env: Environment, state: Any
+) -> Herd:
     """Returns where the agents, or the movers of a type, are."""
     _, cols = env.module.FRAME
     pad = env.module.PAD
-    cells = np.asarray(getattr(state, attribute_of("position", sort))).tolist()
-    moved = getattr(state, attribute_of("moved", sort), None)
-    away = _away(env, state, sort, len(cells))
+    cells = np.asarray(getattr(state, attribute_of("position", entity_type))).tolist()
+    moved = getattr(state, attribute_of("moved", entity_type), None)
+    away = _away(env, state, entity_type, len(cells))
     return Herd(
         position=[Cell(cell // cols - pad, cell % cols - pad) if cell else None for cell in cells],
         moved=[False] * len(cells) if moved is None else np.asarray(moved).tolist(),
@@ -60,10 +65,10 @@ def _entries(state: Any, field: ir.VarField) -> list[Value]:
     return [loaded(entry, field.type) for entry in np.asarray(_stored(state, field))]
 
 
-def _away(env: Environment, state: Any, sort: ir.Sort, number: int) -> list[Away]:
+def _away(env: Environment, state: Any, entity_type: ir.EntityType, number: int) -> list[Away]:
     """Returns when and where each agent, or mover of a type, comes back if it is away."""
     for_good = Away(0, None, None)
-    names = [attribute_of(name, sort) for name in ("away", "away_pool", "away_facing")]
+    names = [attribute_of(name, entity_type) for name in ("away", "away_pool", "away_facing")]
     if not hasattr(state, names[0]):
         return [for_good] * number
     pools = {number: pool for pool, number in pool_numbers(env.game).items()}

@@ -8,9 +8,9 @@ whose rules read none of these goes on alike when agents swap numbers.
 from collections.abc import Iterator
 
 from sjdsl.compiler import ast, ir
+from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.free_variables import variables_around
-from sjdsl.compiler.ir.queries import beginning_phases, body_sort
-from sjdsl.compiler.ir.sorts import AGENTS
+from sjdsl.compiler.ir.queries import beginning_phases, body_type
 from sjdsl.interpreter.evaluate import arguments_of
 from sjdsl.properties.instances import GameFamily
 
@@ -21,16 +21,16 @@ def why_asymmetric(check: ir.Check, family: GameFamily) -> str:
     That is so for every number of agents that the file allows: a rule that names all of them by
     their numbers doesn't name all if there are more.
     """
-    sort = _sort_of(check)
-    forbid = _forbidden_by_number(family) if sort == AGENTS else None
+    entity_type = _entity_type_of(check)
+    forbid = _forbidden_by_number(family) if entity_type == AGENTS else None
     if forbid is None:
-        return _why_asymmetric(sort, family.own)
+        return _why_asymmetric(entity_type, family.own)
     if family.number_varies and not family.number_is_a_size:
         return (
             f"line {forbid.span.line} names agents by their numbers, and the file allows several "
             "numbers of agents"
         )
-    reasons = (_why_asymmetric(sort, game) for game in family.in_all_numbers())
+    reasons = (_why_asymmetric(entity_type, game) for game in family.in_all_numbers())
     return next(filter(None, reasons), "")
 
 
@@ -53,12 +53,12 @@ def _forbidden_by_number(family: GameFamily) -> ast.Forbid | None:
     return None
 
 
-def _why_asymmetric(sort: ir.Sort, game: ir.Game) -> str:
+def _why_asymmetric(entity_type: ir.EntityType, game: ir.Game) -> str:
     """Returns which line of a game tells agents or movers apart, and how; "" if none does."""
     for rule in _rules_of_a_step(game):
         for node in ir.walk(rule):
-            reason = _reads_number(node, sort)
-            if not reason and sort == AGENTS:
+            reason = _reads_number(node, entity_type)
+            if not reason and entity_type == AGENTS:
                 reason = _names_agents(node, game)
             if reason:
                 return f"line {_line(node, rule)} {reason}"
@@ -77,12 +77,14 @@ def why_symmetric(check: ir.Check, game: ir.Game) -> str:
 
     And what that leaves out.
     """
-    sort = _sort_of(check)
-    whose = "an agent's number" if sort == AGENTS else f"the number of a `{sort.name}`"
+    entity_type = _entity_type_of(check)
+    whose = (
+        "an agent's number" if entity_type == AGENTS else f"the number of a `{entity_type.name}`"
+    )
     reason = f"no rule of a step reads {whose}"
     for phase in beginning_phases(game):
         for node in ir.walk(phase):
-            if _reads_number(node, sort):
+            if _reads_number(node, entity_type):
                 does = f"`phase {phase.label}` does, in line {_line(node, phase)}"
                 return f"{reason}; {does}, and is not part of this"
     return reason
@@ -94,12 +96,12 @@ def order_of_sending(check: ir.Check, game: ir.Game) -> tuple[list[ir.Send], lis
     First those whose fitting cells differ from one agent (or mover) to another, then those for
     which cells may run out.
     """
-    sort = _sort_of(check)
+    entity_type = _entity_type_of(check)
     choosy: list[ir.Send] = []
     crowded: list[ir.Send] = []
     for rule in _rules_of_a_step(game):
         for node in ir.walk(rule):
-            if isinstance(node, ir.Send) and body_sort(node.who) == sort:
+            if isinstance(node, ir.Send) and body_type(node.who) == entity_type:
                 if variables_around(node.domain):
                     choosy.append(node)
                 if node.stay:
@@ -107,10 +109,10 @@ def order_of_sending(check: ir.Check, game: ir.Game) -> tuple[list[ir.Send], lis
     return choosy, crowded
 
 
-def _sort_of(check: ir.Check) -> ir.Sort:
+def _entity_type_of(check: ir.Check) -> ir.EntityType:
     """Returns the sort that `symmetric agents` or `symmetric deer` speaks of."""
     (what,) = check.words
-    return AGENTS if what == "agents" else ir.Sort("mover", (what,))
+    return AGENTS if what == "agents" else ir.EntityType("mover", (what,))
 
 
 def _line(node: ir.Node, around: ir.Node) -> int:
@@ -118,12 +120,12 @@ def _line(node: ir.Node, around: ir.Node) -> int:
     return (node.origin or around.span).line
 
 
-def _reads_number(node: ir.Node, sort: ir.Sort) -> str:
+def _reads_number(node: ir.Node, entity_type: ir.EntityType) -> str:
     """Returns how a node reads the number of an agent or mover; "" if it doesn't."""
     match node:
-        case ir.Attribute(name="index", owner=owner) if body_sort(owner) == sort:
-            return f"reads `{'agent' if sort == AGENTS else sort.name}.index`"
-        case ir.ParamRef(name=name) if sort == AGENTS and any(
+        case ir.Attribute(name="index", owner=owner) if body_type(owner) == entity_type:
+            return f"reads `{'agent' if entity_type == AGENTS else entity_type.name}.index`"
+        case ir.ParamRef(name=name) if entity_type == AGENTS and any(
             level.kind == "agent" for level in node.type.indexed_by
         ):
             return f"reads `{name}`, a table by agent"

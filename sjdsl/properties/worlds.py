@@ -17,7 +17,7 @@ from jax import Array
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_of, param_attribute
-from sjdsl.compiler.ir.queries import body_sorts, kinds_by_glyph
+from sjdsl.compiler.ir.queries import body_types, kinds_by_glyph
 from sjdsl.properties.biased_draws import BIASES, Bias
 from sjdsl.properties.compiled_play import FAIR, CompiledPlay, episode_keys
 from sjdsl.properties.instances import GameFamily
@@ -449,11 +449,11 @@ class Program:
         Of the state: its fields, the kinds on which agents and movers stand, what checks read, and
         the part of the episode.
         """
-        sorts = body_sorts(self._game)
-        places = {attribute_of("position", sort) for sort in sorts}
+        entity_types = body_types(self._game)
+        places = {attribute_of("position", entity_type) for entity_type in entity_types}
         left_out = {"step"}
         for name in ("heading", "moved", "away", "away_pool", "away_facing"):
-            left_out |= {attribute_of(name, sort) for sort in sorts}
+            left_out |= {attribute_of(name, entity_type) for entity_type in entity_types}
         age = state.step * AGES // jnp.maximum(1, self._module.episode_length(params))
         parts = [age, _clipped(jnp.where(jnp.isfinite(values), values, 0)), ran]
         for name in state.__dataclass_fields__:

@@ -29,13 +29,9 @@ def _part(e: ir.Expr) -> str:
     match e:
         case ir.Same(left=ir.Word(value=word)) | ir.Same(right=ir.Word(value=word)):
             return word
-        case ir.Not(value=ir.Same(left=ir.Word(value=word)) | ir.Same(right=ir.Word(value=word))):
-            return f"not {word}"
         case ir.InWords(words=words):
             is_any = set(words) == set(e.value.type.words)
             return "" if is_any else " or ".join(words)
-        case ir.Not(value=ir.InWords(words=words)):
-            return f"not {' or '.join(words)}"
         case ir.Same(left=left, right=ir.Nobody() | ir.Nowhere()) | ir.IsEmpty(container=left):
             return f"no {_value(left)}"
         case ir.Not(
@@ -44,7 +40,7 @@ def _part(e: ir.Expr) -> str:
             return _value(left)
         case ir.Same(left=left, right=right):
             return f"{_value(left)} same as {_value(right)}"
-        case ir.Not(value=ir.Same(left=left, right=right)):
+        case ir.Not(value=ir.Same(left=left, right=right)) if not isinstance(right, ir.Word):
             return f"{_value(left)} other than {_value(right)}"
         case ir.Compare(fn=">", left=ir.At() as entry, right=ir.Number(value=0)):
             return _value(entry)

@@ -2,20 +2,22 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal, assert_never
+from typing import Any, Literal
 
 import numpy as np
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.fold import fold
 from sjdsl.compiler.ir.implications import conjuncts
 from sjdsl.compiler.ir.names import attribute_name
-from sjdsl.compiler.ir.operations import COMPARISONS, REDUCTIONS
 from sjdsl.compiler.ir.queries import (
     kinds_by_glyph,
     marking_phases,
     title_of,
     written_field,
 )
+from sjdsl.compiler.ir.values import Evaluation
+from sjdsl.interpreter.stored import loaded
 from sjdsl.render.colours import (
     COLOURS,
     INKS,
@@ -121,10 +123,26 @@ class Rule:
         Args:
           prefix: what the names of their attributes in `values` begin with.
         """
-        if self.condition is None:
-            return np.ones(count, bool)
-        fields = {name: values[f"{prefix}_{name}"] for name in self.reads}
-        return np.broadcast_to(_evaluate(self.condition, fields), (count,)).astype(bool)
+        names = sorted(self.reads)
+        columns = [values[f"{prefix}_{name}"].tolist() for name in names]
+        known: dict[str, bool] = {}  # by the values of all fields
+        result: list[bool] = []
+        for number in range(count):
+            fields = {name: column[number] for name, column in zip(names, columns, strict=True)}
+            key = str(fields)
+            if key not in known:
+                known[key] = self._holds(fields)
+            result.append(known[key])
+        return np.array(result, bool)
+
+    def _holds(self, fields: Mapping[str, Any]) -> bool:
+        """Returns whether the condition holds. `fields`: the values, as the state stores them."""
+
+        def read(e: ir.Expr) -> Any:
+            assert isinstance(e, ir.FieldRead), e  # the compiler refuses all others in a `look`
+            return loaded(fields[e.name], e.type)
+
+        return self.condition is None or bool(fold(self.condition, Evaluation(read)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -285,8 +303,8 @@ def _cell_fields_in(label: ir.Node) -> set[tuple[str, str]]:
     fields: set[tuple[str, str]] = set()
     for node in ir.walk(label):
         if isinstance(node, ir.FieldRead) and isinstance(node.owner, ir.Member):
-            if node.owner.sort.what == "cell":
-                fields |= {(kind, node.name) for kind in node.owner.sort.names}
+            if node.owner.entity_type.what == "cell":
+                fields |= {(kind, node.name) for kind in node.owner.entity_type.names}
     return fields
 
 
@@ -468,7 +486,7 @@ def _make_field_look(
             words = field.type.words
             tints = tint_colours(words)
             has_few_tints = len({*tints[1:]}) < len(words) - 1
-            is_set = _is_set(game, ir.Sort("cell", (kind,)), field.name)
+            is_set = _is_set(game, ir.EntityType("cell", (kind,)), field.name)
             is_shape = tinted or has_few_tints or is_set
             return FieldLook(
                 field.name,
@@ -551,7 +569,7 @@ def _possessions(fields: Sequence[ir.VarField], game: ir.Game) -> Iterator[Field
         if field.type.kind in ("int", "real") and levels == ["word"]:
             words = field.type.indexed_by[0].names
             as_words = ir.Type(kind="word", words=("nothing", *words))
-            things = ir.VarField(name=field.name, held_by=ir.Sort("agent"), type=as_words)
+            things = ir.VarField(name=field.name, held_by=ir.EntityType("agent"), type=as_words)
             _, *pictures = usual_words(things, False)
             yield FieldLook(
                 field.name,
@@ -596,7 +614,7 @@ def _colour_field(game: ir.Game) -> ir.VarField | None:
         is_word = field.type.kind == "word" and not field.type.indexed_by and len(words) > 1
         if is_word and len({*colours_of(words)}) == len(words):  # else roles would look alike
             fields.append(field)
-    agent = ir.Sort("agent")
+    agent = ir.EntityType("agent")
     lasting = [
         field
         for field in fields
@@ -608,7 +626,7 @@ def _colour_field(game: ir.Game) -> ir.VarField | None:
     return best[0] if best else None
 
 
-def _is_set(rules: ir.Node, owner: ir.Sort, name: str) -> bool:
+def _is_set(rules: ir.Node, owner: ir.EntityType, name: str) -> bool:
     """Returns whether some of the rules set a field.
 
     A field of a kind that no rule sets is part of the landscape.
@@ -617,46 +635,3 @@ def _is_set(rules: ir.Node, owner: ir.Sort, name: str) -> bool:
         written_field(node.target) for node in ir.walk(rules) if isinstance(node, ir.Set | ir.Add)
     )
     return any(field.name == name and field.held_by.overlaps(owner) for field in written)
-
-
-def _evaluate(e: ir.Expr, fields: Mapping[str, np.ndarray]) -> Any:
-    """Returns an expression of a `look` for each cell, agent or mover.
-
-    Enum values are texts, agents numbers with -1 for nobody, sets of agents bits.
-
-    Args:
-      fields: name of a field -> its values, `[count, ...]`; the compiler lets a `look` read
-        nothing but these, enum values and numbers.
-    """
-    match e:
-        case ir.Number() | ir.Word() | ir.Truth():
-            return e.value
-        case ir.Nobody():
-            return -1
-        case ir.FieldRead():
-            values = fields[e.name]
-            return np.asarray(e.type.words)[values] if e.type.kind == "word" else values
-        case ir.At(key=ir.Word(value=key) | ir.Number(value=key)):
-            return _evaluate(e.row, fields)[:, e.row.type.indexed_by[0].place_of(key)]  # type: ignore[arg-type]
-        case ir.SumRow():
-            return getattr(np, REDUCTIONS[e.fn].array)(_evaluate(e.row, fields), axis=1)
-        case ir.Compare():
-            return COMPARISONS[e.fn].holds(_evaluate(e.left, fields), _evaluate(e.right, fields))
-        case ir.Same():
-            return np.equal(_evaluate(e.left, fields), _evaluate(e.right, fields))
-        case ir.InRange():
-            value = _evaluate(e.value, fields)
-            return (value >= _evaluate(e.low, fields)) & (value <= _evaluate(e.high, fields))
-        case ir.InWords():
-            return np.isin(_evaluate(e.value, fields), e.words)
-        case ir.IsEmpty():
-            return _evaluate(e.container, fields) == 0
-        case ir.Not():
-            return np.logical_not(_evaluate(e.value, fields))
-        case ir.Logic():
-            join = np.logical_and if e.fn == "and" else np.logical_or
-            return join.reduce(np.broadcast_arrays(*(_evaluate(a, fields) for a in e.args)))
-        case ir.Named() | ir.Narrowed():
-            return _evaluate(e.value, fields)
-        case _:
-            assert_never(e)  # type: ignore[arg-type]  # the compiler refuses all others in a `look`

@@ -2,13 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-
-import numpy as np
+from typing import Any
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name
 from sjdsl.compiler.ir.types import element
-from sjdsl.interpreter.stored import BITS, CELLS
+from sjdsl.interpreter.stored import loaded
 from sjdsl.render.moment import Snapshot, shown_defines
 
 
@@ -28,7 +27,8 @@ class Reading:
         if not self.attribute:
             return snapshot.defines.get(self.name, "")
         values = snapshot.values[self.attribute]
-        return _value_text(values if agent is None else values[agent], self.type)
+        value = values if agent is None else values[agent]
+        return _value_text(loaded(value, self.type), self.type)
 
 
 def world_readings(game: ir.Game) -> tuple[Reading, ...]:
@@ -53,8 +53,8 @@ def _reading(field: ir.VarField) -> Reading:
     return Reading(field.name, attribute_name(field), field.type)
 
 
-def _value_text(value: np.ndarray, type_: ir.Type) -> str:
-    """Returns the text of a value as a state keeps it; of an indexed field, each entry."""
+def _value_text(value: Any, type_: ir.Type) -> str:
+    """Returns the text of a value in the interpreter's form; of an indexed field, each entry."""
     if type_.indexed_by:
         index = type_.indexed_by[0]
         entries = [_value_text(entry, element(type_)) for entry in value]
@@ -62,25 +62,11 @@ def _value_text(value: np.ndarray, type_: ir.Type) -> str:
             entries = [f"{name} {entry}" for name, entry in zip(index.names, entries, strict=True)]
         return " ".join(entries)
     match type_.kind:
-        case "word":
-            return type_.words[int(value)]
-        case "agent":
-            return "nobody" if value < 0 else str(int(value))
         case "agents":
-            agents = [
-                number * BITS + bit
-                for number, bits in enumerate(np.atleast_1d(value).tolist())
-                for bit in _set_bits(bits)
-            ]
-            return "+".join(map(str, agents)) or "nobody"
+            return "+".join(map(str, sorted(value))) or "nobody"
         case "cell":
-            return "nowhere" if value < 0 else str(divmod(int(value), CELLS))
+            return "nowhere" if value is None else str(tuple(value))
         case "real":
-            return f"{float(value):.4g}"
+            return f"{value:.4g}"
         case _:
-            return str(int(value))
-
-
-def _set_bits(bits: int) -> list[int]:
-    """Returns the numbers of the bits that are 1."""
-    return [bit for bit in range(BITS) if bits >> bit & 1]
+            return "nobody" if value is None else str(value)

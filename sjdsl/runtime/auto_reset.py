@@ -85,7 +85,6 @@ def _if_any_is_done(
 
     @choose.defjvp
     def derivative(values: Any, changes: Any) -> tuple[State, State]:
-        result: tuple[State, State] = jax.jvp(plain, values, changes)
-        return result
+        return jax.jvp(plain, values, changes)
 
     return choose(done, words, params, state)

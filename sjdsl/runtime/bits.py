@@ -4,19 +4,18 @@ import operator
 from collections.abc import Sequence
 from functools import partial
 
-import jax
 import jax.numpy as jnp
 import numpy as np
 from jax import Array, lax
 
-from sjdsl.runtime.forms import by_platform
+from sjdsl.runtime.forms import by_platform, one_function
 from sjdsl.runtime.reductions import lengthened, sum_of
 from sjdsl.runtime.rows import entries_in_bounds, numbers_on_last_axis, on_last_axis, one_hot
 
 WIDTH = 32
 
 
-@jax.jit  # one function of the program for each shape, however many rules pick
+@one_function
 def pack(members: Array) -> Array:
     """Returns members as bits, member i in bit i % 32 of word i // 32.
 
@@ -57,13 +56,12 @@ def from_bits(sets: Array, size: int) -> Array:
     return ((sets[..., None] >> places) & 1) != 0
 
 
-@partial(jax.jit, static_argnames="size")  # as above
+@partial(one_function, static=("size",))
 def unpack(words: Array, size: int) -> Array:
     """Returns what was packed: `[..., W]` uint32 -> `[..., size]` bool."""
     places = numbers_on_last_axis(WIDTH, words.ndim + 1, jnp.uint32)
     members = (words[..., None] >> places) & 1
-    result: Array = members.reshape(*words.shape[:-1], -1)[..., :size] != 0
-    return result
+    return members.reshape(*words.shape[:-1], -1)[..., :size] != 0
 
 
 def has_member(words: Array, member: Array) -> Array:
@@ -79,16 +77,20 @@ def has_member(words: Array, member: Array) -> Array:
     is_in_word = one_hot(member >> 5, words.shape[-1])
     word = sum_of(jnp.where(is_in_word, words, jnp.uint32(0)), axis=-1)
     place = (member & (WIDTH - 1)).astype(jnp.uint32)
-    result: Array = ((word >> place) & 1) != 0
-    return result
+    return ((word >> place) & 1) != 0
 
 
-def count(words: Array) -> Array:
-    """Returns how many bits are set in all words: `[..., W]` -> `[...]` int32."""
-    return sum_of(lax.population_count(words).astype(jnp.int32), axis=-1)
+def size_of_set(members: Array) -> Array:
+    """Returns how many agents sets kept as bits have: `[...]` unsigned -> `[...]` int32."""
+    return lax.population_count(members).astype(jnp.int32)
 
 
-@jax.jit  # as above
+def size_of_large_set(words: Array) -> Array:
+    """Returns the same of sets kept as bits in several words: `[..., W]` uint32 -> `[...]` int32."""
+    return sum_of(size_of_set(words), axis=-1)
+
+
+@one_function
 def nth_bit(word: Array, n: Array) -> Array:
     """Returns the place of the n-th set bit, n from 0; undefined if there are fewer.
 
@@ -119,7 +121,7 @@ def _nth_by_halves(word: Array, n: Array) -> Array:
     width = word.dtype.itemsize * 4
     while width:
         lower_half = word & word.dtype.type((1 << width) - 1)
-        low = lax.population_count(lower_half).astype(jnp.int32)
+        low = size_of_set(lower_half)
         is_above = n >= low
         n = jnp.where(is_above, n - low, n)
         word = jnp.where(is_above, word >> word.dtype.type(width), word)
@@ -140,22 +142,20 @@ def nth(words: Array, n: Array) -> Array:
     """
     if words.shape[-1] > 1:
         return by_platform(_nth_by_sums, _nth_in_turn, words, n)
-    place: Array = nth_bit(words[..., 0], n)
-    return place
+    return nth_bit(words[..., 0], n)
 
 
 def _nth_in_turn(words: Array, n: Array) -> Array:
     """The form for GPUs."""
     each_word = [jnp.broadcast_to(word, n.shape) for word in apart(words)]
     number, bit = nth_of(each_word, n)
-    result: Array = number * WIDTH + bit
-    return result
+    return number * WIDTH + bit
 
 
 def _nth_by_sums(words: Array, n: Array) -> Array:
     """The form for CPUs."""
     index = jnp.arange(words.shape[-1], dtype=jnp.int32)
-    counts = lax.population_count(words).astype(jnp.int32)
+    counts = size_of_set(words)
     is_earlier = index[None] < index[:, None]
     is_earlier = is_earlier.reshape((1,) * n.ndim + (index.size, index.size))
     before = jnp.sum(jnp.where(is_earlier, counts[..., None, :], 0), axis=-1, dtype=jnp.int32)
@@ -197,13 +197,13 @@ def nth_of(words: Sequence[Array], n: Array) -> tuple[Array, Array]:
     word = words[0]
     before = jnp.zeros_like(n)  # members in the words before
     number = jnp.zeros_like(n)
-    counted = _ones(word)
+    counted = size_of_set(word)
     for place, later_word in enumerate(words[1:], 1):
         is_later = lax.ge(n, counted)
         word = lax.select(is_later, later_word, word)
         before = lax.select(is_later, counted, before)
         number = lax.select(is_later, lax.full_like(number, place), number)
-        counted = lax.add(counted, _ones(later_word))
+        counted = lax.add(counted, size_of_set(later_word))
     return number, nth_bit(word, n - before)
 
 
@@ -221,15 +221,11 @@ def field(words: Sequence[Array], number: Array, width: int, per_word: int) -> A
     """
     word = words[0]
     for place, later_word in enumerate(words[1:], 1):
-        word = jnp.where(number // per_word == place, later_word, word)
+        word = jnp.where(number >= place * per_word, later_word, word)
     # Where the field begins in its word.
     shift = (number % per_word * width).astype(jnp.uint32)
     result: Array = (word >> shift) & jnp.uint32((1 << width) - 1)
     return result
-
-
-def _ones(word: Array) -> Array:
-    return lax.population_count(word).astype(jnp.int32)
 
 
 def set_of(numbers: Array, size: int) -> Array:

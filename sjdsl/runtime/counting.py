@@ -1,13 +1,12 @@
-"""Counts members near each cell, members of sets, and which cells are occupied."""
+"""Counts members near each cell and sets with a member, and finds which cells are occupied."""
 
 from functools import partial, reduce
 
-import jax
 import jax.numpy as jnp
-from jax import Array, lax
+from jax import Array
 
-from sjdsl.runtime.bits import WIDTH, count, field, pack
-from sjdsl.runtime.forms import by_platform
+from sjdsl.runtime.bits import WIDTH, field, pack, size_of_set
+from sjdsl.runtime.forms import by_platform, one_function
 from sjdsl.runtime.reductions import any_of, sum_of
 from sjdsl.runtime.rows import one_hot
 
@@ -21,25 +20,7 @@ def count_near(member: Array, masks: Array) -> Array:
     Returns:
       `[S]` int32.
     """
-    near = lax.population_count(pack(member)[:, None] & masks)
-    return sum_of(near.astype(jnp.int32), axis=0)
-
-
-def size_of_set(members: Array) -> Array:
-    """Returns how many agents sets kept as bits have: `[...]` unsigned -> `[...]` int32."""
-    return lax.population_count(members).astype(jnp.int32)
-
-
-def size_of_large_set(words: Array) -> Array:
-    """Returns how many agents sets have that are kept as bits in several words.
-
-    Args:
-      words: `[..., W]` uint32.
-
-    Returns:
-      `[...]` int32.
-    """
-    return count(words)
+    return sum_of(size_of_set(pack(member)[:, None] & masks), axis=0)
 
 
 def segment_sum(amounts: Array, numbers: Array, size: int) -> Array:
@@ -59,8 +40,7 @@ def segment_sum(amounts: Array, numbers: Array, size: int) -> Array:
     return sum_of(jnp.where(counts_for, amounts[..., None], 0), axes, amounts.dtype)
 
 
-# One function of the program for each shape, however many rules count.
-@partial(jax.jit, static_argnums=1)
+@partial(one_function, static=("agents",))
 def times_in(sets: Array, agents: int) -> Array:
     """Returns how many of the sets each agent is in.
 
@@ -135,7 +115,7 @@ LANES = 32  # bytes of a vector register
 _ROWS_AT_ONCE = 4  # at most 7: a byte holds 7 * 32; 6 are as fast, 2 and 7 slower
 
 
-@partial(jax.jit, static_argnums=1)  # as above
+@partial(one_function, static=("size",))
 def occupied(site: Array, size: int) -> Array:
     """Returns which cells have an agent on them.
 

@@ -15,12 +15,11 @@ from jax import Array, lax
 from jax.custom_batching import custom_vmap
 
 from sjdsl.runtime.bits import set_of, unpack
-from sjdsl.runtime.forms import by_platform
+from sjdsl.runtime.forms import by_platform, one_function
 from sjdsl.runtime.rows import entries_in_bounds
 
 
-# One function of the program, however many planes are seen.
-@partial(jax.jit, static_argnames=("ahead", "behind", "left", "right"))
+@partial(one_function, static=("ahead", "behind", "left", "right"))
 def windows(
     plane: Array, position: Array, heading: Array, *, ahead: int, behind: int, left: int, right: int
 ) -> Array:

@@ -198,34 +198,33 @@ class Environment:
           ValueError: there isn't one action for each agent; an action is beyond int32, unless it is
             traced; or there are several keys or states.
         """
-        params = self._given(params)
-        words = key_words(key)
-        ended, reward, done, info = self._transition(words, state, actions, params)
-        if has_trials(self.module):
-            is_over = info["trial_ended"]
-            state = begin_trial_where(self.module, is_over, done, words, params, ended)
-        else:
-            state = reset_where(self.module.reset, done, words, params, ended)
-        info["terminal_observation"] = self._observe(ended, params)
-        info["terminal_state"] = ended
-        return self._observe(state, params), state, reward, done, info
+        return self._advanced(key, state, actions, params, resets=True)
 
     def _step_env(
         self, key: Array, state: State, actions: Array, params: Params | None = None
     ) -> tuple[Array, State, Array, Array, Info]:
         """Does what `step` does, without the reset after an episode."""
+        return self._advanced(key, state, actions, params, resets=False)
+
+    def _advanced(
+        self, key: Array, state: State, actions: Array, params: Params | None, resets: bool
+    ) -> tuple[Array, State, Array, Array, Info]:
+        """Returns what `step` does. resets: whether an episode that ended is followed by another."""
         params = self._given(params)
         words = key_words(key)
         ended, reward, done, info = self._transition(words, state, actions, params)
         state = ended
-        observation = terminal_observation = self._observe(ended, params)
         if has_trials(self.module):
-            is_over = info["trial_ended"] & ~done
-            no = jnp.zeros((), bool)
-            state = begin_trial_where(self.module, is_over, no, words, params, ended)
-            observation = self._observe(state, params)
-        info["terminal_observation"] = terminal_observation
+            is_over = info["trial_ended"] if resets else info["trial_ended"] & ~done
+            is_last = done if resets else jnp.zeros((), bool)
+            state = begin_trial_where(self.module, is_over, is_last, words, params, ended)
+        elif resets:
+            state = reset_where(self.module.reset, done, words, params, ended)
+        info["terminal_observation"] = self._observe(ended, params)
         info["terminal_state"] = ended
+        observation = info["terminal_observation"]
+        if state is not ended:
+            observation = self._observe(state, params)
         return observation, state, reward, done, info
 
     def _transition(

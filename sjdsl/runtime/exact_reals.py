@@ -7,11 +7,10 @@ of up to two units in the last place. It does so across phases, and differently 
 a constant of the program and for one that is an argument.
 """
 
-import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
-from sjdsl.runtime.forms import by_platform
+from sjdsl.runtime.forms import by_platform, one_function
 from sjdsl.runtime.reductions import sum_of
 from sjdsl.runtime.rows import numbers_on_last_axis
 
@@ -68,11 +67,10 @@ def exact_sum(values: Array, axis: int | tuple[int, ...]) -> Array:
       values: float32, at most 2^19 along the axes.
       axis: the axes, counted from the first.
     """
-    result: Array = rounded(sum_of(fixed_point(values), axis=axis))
-    return result
+    return rounded(sum_of(fixed_point(values), axis=axis))
 
 
-@jax.jit  # one function of the program for each shape
+@one_function
 def fixed_point(values: Array) -> Array:
     """Returns reals as fixed-point numbers: `[...]` float32 -> `[..., 28]` int32.
 
@@ -90,11 +88,10 @@ def fixed_point(values: Array) -> Array:
     right = significand >> jnp.clip(-shift, 0, 31).astype(jnp.uint32)
     shifted = jnp.where(shift >= 0, left, right)
     entries = (shifted & (2**DIGIT - 1)).astype(jnp.int32)
-    result: Array = jnp.where(bits >> 31 == 1, -entries, entries)
-    return result
+    return jnp.where(bits >> 31 == 1, -entries, entries)
 
 
-@jax.jit  # as above
+@one_function
 def rounded(sums: Array) -> Array:
     """Returns the nearest float32 of fixed-point sums, of two the even: `[..., 28]` -> `[...]`."""
     _, carry = _carried(sums)
@@ -199,8 +196,7 @@ def _zero(value: Array) -> Array:
 
 
 def exponent_of(bits: Array) -> Array:
-    result: Array = (bits >> FRACTION & SPECIAL).astype(jnp.int32)
-    return result
+    return (bits >> FRACTION & SPECIAL).astype(jnp.int32)
 
 
 def significand_of(bits: Array) -> Array:
@@ -209,10 +205,8 @@ def significand_of(bits: Array) -> Array:
 
 
 def as_bits(value: Array) -> Array:
-    result: Array = lax.bitcast_convert_type(value, jnp.uint32)
-    return result
+    return lax.bitcast_convert_type(value, jnp.uint32)
 
 
 def as_real(bits: Array) -> Array:
-    result: Array = lax.bitcast_convert_type(bits, jnp.float32)
-    return result
+    return lax.bitcast_convert_type(bits, jnp.float32)

@@ -8,12 +8,13 @@ by a model").
 
 from collections.abc import Callable
 from functools import wraps
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import jax
 from jax import lax
 
 T = TypeVar("T")
+Kernel = TypeVar("Kernel", bound=Callable[..., Any])
 # `with forced("gpu"):` and `with forced("cpu"):` choose the form, whatever the platform.
 forced = jax.make_user_context(None)
 
@@ -31,6 +32,15 @@ def by_platform(cpu: Callable[..., T], gpu: Callable[..., T], *arguments: Any) -
         *arguments, cpu=_in_form("cpu", cpu), default=_in_form("gpu", gpu)
     )
     return result
+
+
+def one_function(kernel: Kernel, static: tuple[str, ...] = ()) -> Kernel:
+    """Returns a kernel that is one function of the program for each shape, however often called.
+
+    Args:
+      static: names of its arguments that aren't arrays.
+    """
+    return cast(Kernel, jax.jit(kernel, static_argnames=static))
 
 
 def in_one_form(function: Callable[..., T]) -> Callable[..., T]:

@@ -5,7 +5,7 @@ The padding keeps windows and shapes in the frame. A cell is its index in the pa
 arrays, computed once, when a module is loaded.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -19,13 +19,17 @@ def frame_size(rows: Rows, pad: int) -> tuple[int, int]:
     return len(rows) + 2 * pad, len(rows[0]) + 2 * pad
 
 
+def _framed(rows: Rows, pad: int, value: Callable[[str], object], dtype: type) -> np.ndarray:
+    """Returns the frame with the value of each glyph, 0 outside the map: `[cells]`."""
+    frame: np.ndarray = np.zeros(frame_size(rows, pad), dtype)
+    for number, row in enumerate(rows, pad):
+        frame[number, pad : pad + len(row)] = [value(glyph) for glyph in row]
+    return frame.reshape(-1)
+
+
 def cells_of(rows: Rows, pad: int, glyphs: str) -> np.ndarray:
     """Returns the cells with one of the glyphs in reading order: `[S]` int32."""
-    _, columns = frame_size(rows, pad)
-    cells = []
-    for r, row in enumerate(rows):
-        cells += [(r + pad) * columns + c + pad for c, glyph in enumerate(row) if glyph in glyphs]
-    return np.array(cells, np.int32)
+    return np.flatnonzero(blocking(rows, pad, glyphs)).astype(np.int32)
 
 
 def numbers_among(rows: Rows, group: str, glyphs: str) -> np.ndarray:
@@ -58,26 +62,17 @@ def values_of(rows: Rows, values: Mapping[str, float], dtype: str) -> np.ndarray
 
 def painted(rows: Rows, pad: int, values: Mapping[str, int]) -> np.ndarray:
     """Returns the frame with each glyph's value, 0 outside the map: `[cells]` uint8."""
-    frame = np.zeros(frame_size(rows, pad), np.uint8)
-    frame[pad : pad + len(rows), pad : pad + len(rows[0])] = [
-        [values[g] for g in row] for row in rows
-    ]
-    return frame.reshape(-1)
+    return _framed(rows, pad, values.__getitem__, np.uint8)
 
 
 def inside(rows: Rows, pad: int) -> np.ndarray:
     """Returns which cells of the frame are on the map: `[cells]` bool."""
-    frame = np.zeros(frame_size(rows, pad), bool)
-    frame[pad : pad + len(rows), pad : pad + len(rows[0])] = True
-    return frame.reshape(-1)
+    return _framed(rows, pad, lambda _: True, bool)
 
 
 def blocking(rows: Rows, pad: int, glyphs: str) -> np.ndarray:
     """Returns which cells of the frame have one of the glyphs: `[cells]` bool."""
-    height, width = frame_size(rows, pad)
-    frame = np.zeros(height * width, bool)
-    frame[cells_of(rows, pad, glyphs)] = True
-    return frame
+    return _framed(rows, pad, glyphs.__contains__, bool)
 
 
 def around_edges(rows: Rows, pad: int) -> np.ndarray:

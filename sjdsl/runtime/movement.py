@@ -5,6 +5,7 @@ from functools import partial
 import jax.numpy as jnp
 from jax import Array, lax
 
+from sjdsl.runtime.bits import field
 from sjdsl.runtime.forms import by_platform
 from sjdsl.runtime.reductions import sum_of
 from sjdsl.runtime.varying import settled
@@ -87,11 +88,8 @@ def _by_walking(position: Array, target: Array, word: Array, exchange: bool) -> 
     agent = index
     stuck = jnp.zeros(n, jnp.uint32)
     for _ in range(n):
-        word = table[0]
-        for number, other in enumerate(table[1:], 1):
-            word = jnp.where(agent >= number * per_word, other, word)
-        entry_of_agent = word >> ((agent % per_word) * (bits + 1))
-        stuck = stuck | ((entry_of_agent >> bits) & 1)
+        entry_of_agent = field(table, agent, bits + 1, per_word)
+        stuck = stuck | (entry_of_agent >> bits)
         agent = entry_of_agent & ((1 << bits) - 1)
     return jnp.where(stuck != 0, position, target)
 

@@ -125,8 +125,7 @@ def contains(boards: Array, which: Array, row: Array, col: Array) -> Array:
     col = jnp.where(inside, col, 0)
     word = boards[which, row, col // WIDTH]
     bit = (word >> (col % WIDTH).astype(jnp.uint32)) & 1
-    result: Array = inside & (bit != 0)
-    return result
+    return inside & (bit != 0)
 
 
 def first_moves(

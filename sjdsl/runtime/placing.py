@@ -11,8 +11,8 @@ from jax.custom_batching import custom_vmap
 
 from sjdsl.runtime import bits
 from sjdsl.runtime.actions import ANY_HEADING, SAME_HEADING
-from sjdsl.runtime.counting import in_rows, size_of_set
-from sjdsl.runtime.forms import by_platform
+from sjdsl.runtime.counting import in_rows
+from sjdsl.runtime.forms import by_platform, one_function
 from sjdsl.runtime.random_bits import below, random_bits_at
 from sjdsl.runtime.reductions import any_of
 from sjdsl.runtime.rows import entries_in_bounds, on_last_axis
@@ -30,7 +30,7 @@ def pick(member: Array, word: Array) -> tuple[Array, Array]:
       `[...]` int32 its number among all S, and `[...]` bool whether there is a member at all.
     """
     packed = bits.pack(member)
-    number = bits.count(packed)
+    number = bits.size_of_large_set(packed)
     return bits.nth(packed, below(word, number)), number > 0
 
 
@@ -41,13 +41,13 @@ def pick_of_set(members: Array, word: Array) -> tuple[Array, Array]:
       members: `[...]` unsigned.
       word: uint32 of that shape, or with more axes, for several draws from one set.
     """
-    number = size_of_set(members)
+    number = bits.size_of_set(members)
     return bits.nth_bit(members, below(word, number)), jnp.broadcast_to(number > 0, word.shape)
 
 
 def pick_of_large_set(members: Array, word: Array) -> tuple[Array, Array]:
     """Returns what `pick_of_set` does, of sets kept as bits in several words: `[..., W]` uint32."""
-    number = bits.count(members)
+    number = bits.size_of_large_set(members)
     return bits.nth(members, below(word, number)), jnp.broadcast_to(number > 0, word.shape)
 
 
@@ -74,8 +74,7 @@ def pick_of_sets(members: Array, key: Array, draw: Callable[[Array], Array]) -> 
 
     @custom_vmap
     def picked(members: Array, key: Array) -> Array:
-        result: Array = either(_several(members), lambda: chosen(members, key), lambda: members)
-        return result
+        return either(_several(members), lambda: chosen(members, key), lambda: members)
 
     @picked.def_vmap
     def batched(
@@ -121,36 +120,24 @@ def _several(members: Array) -> Array:
     return jnp.any(joined != 0)
 
 
-def choose(member: Array, words: Array, number: Array) -> Array:
+def choose(
+    member: Array,
+    words: Array,
+    number: Array,
+    key: Array | None = None,
+    stream: int = 0,
+    limit: Array | None = None,
+) -> Array:
     """Returns which members are picked when so many are, one after the other, none twice.
+
+    With a limit, only those that also draw less than it.
 
     Args:
       member: `[..., S]` bool.
       words: `[..., T]` uint32, one for each turn; `number` is never more than T while members are
         left.
       number: `[...]` int32.
-
-    Returns:
-      `[..., S]` bool.
-    """
-    if 0 in (member.shape[-1], words.shape[-1]):
-        return jnp.zeros(member.shape, bool)
-    chosen = _chosen(bits.pack(member), words, number)
-    result: Array = bits.unpack(chosen, member.shape[-1])
-    return result
-
-
-def choose_by_chance(
-    member: Array, words: Array, number: Array, key: Array, stream: int, limit: Array
-) -> Array:
-    """Returns which of the members that `choose` picks draw less than a limit.
-
-    Only members that are picked draw.
-
-    Args:
-      member, words, number: as of `choose`.
-      key: `[2]` uint32.
-      stream: of the draws; member i draws number i of it.
+      key, stream: `[2]` uint32 and the stream of the draws, of which member i draws number i.
       limit: uint32, of `random_bits.threshold`.
 
     Returns:
@@ -158,40 +145,30 @@ def choose_by_chance(
     """
     if 0 in (member.shape[-1], words.shape[-1]):
         return jnp.zeros(member.shape, bool)
-    packed = bits.pack(member)
-    chosen = _chosen_by_chance(packed, words, number, key, jnp.uint32(stream), limit)
-    result: Array = bits.unpack(chosen, member.shape[-1])
-    return result
-
-
-@jax.jit  # one function of the program for each shape, however many rules pick
-def _chosen(packed: Array, words: Array, number: Array) -> Array:
-    return _chosen_that(lambda _: jnp.bool_(True), packed, words, number)
-
-
-@jax.jit  # as above
-def _chosen_by_chance(
-    packed: Array, words: Array, number: Array, key: Array, stream: Array, limit: Array
-) -> Array:
-    """Returns members picked in turns; each is taken with the same chance, decided by its word."""
-
-    def draw_less(members: Array) -> Array:
-        return (random_bits_at(key, stream, members.astype(jnp.uint32)) >> 1) < limit
-
-    return _chosen_that(draw_less, packed, words, number)
+    chosen = _chosen(bits.pack(member), words, number, key, jnp.uint32(stream), limit)
+    return bits.unpack(chosen, member.shape[-1])
 
 
 MOST_TURNS = 128  # turns that are unrolled
 
 
-def _chosen_that(
-    passes: Callable[[Array], Array], packed: Array, words: Array, number: Array
+@one_function
+def _chosen(
+    packed: Array,
+    words: Array,
+    number: Array,
+    key: Array | None,
+    stream: Array,
+    limit: Array | None,
 ) -> Array:
-    """Returns which members are picked and pass: `[..., W]` uint32.
+    """Returns `choose` in the form that suits the device and the turns: `[..., W]` uint32."""
 
-    Args:
-      passes: returns which of some members pass, by their numbers, `[...]` or `[..., T]`.
-    """
+    def passes(members: Array) -> Array:
+        """Returns which of some members pass, by their numbers, `[...]` or `[..., T]`."""
+        if key is None or limit is None:
+            return jnp.asarray(True)
+        return (random_bits_at(key, stream, members.astype(jnp.uint32)) >> 1) < limit
+
     one_by_one = partial(_chosen_turn_by_turn, passes)
     at_once = partial(_chosen_at_once, passes)
     if words.shape[-1] > MOST_TURNS:
@@ -209,7 +186,7 @@ def _chosen_at_once(
     """
     words = lax.optimization_barrier(words)
     all_members = [jnp.broadcast_to(word[..., None], words.shape) for word in bits.apart(packed)]
-    total = reduce(lax.add, map(size_of_set, all_members))
+    total = reduce(lax.add, map(bits.size_of_set, all_members))
     turn = on_last_axis(np.arange(words.shape[-1], dtype=np.int32), words.ndim)
     place = below(words, total - turn)
     for earlier_turn, word in reversed(list(enumerate(bits.apart(words)))):
@@ -226,7 +203,7 @@ def _chosen_turn_by_turn(
     passes: Callable[[Array], Array], packed: Array, words: Array, number: Array
 ) -> Array:
     """The form for CPUs: as many turns as are taken."""
-    total = bits.count(packed)
+    total = bits.size_of_large_set(packed)
     wanted = jnp.minimum(number, total)
 
     def is_wanted(state: tuple[Array, Array, Array]) -> Array:
@@ -247,54 +224,39 @@ def _chosen_turn_by_turn(
     return taken
 
 
+LONG = 16_384  # agents times cells: with more, placing would be too long a program if unrolled
+
+
 def place(
-    cells: Array, free: Array | None, words: Array, position: Array, sent: Array
+    cells: Array,
+    free: Array | None,
+    words: Array,
+    position: Array,
+    sent: Array,
+    own: Array | None = None,
 ) -> tuple[Array, Array]:
     """Returns the places after agents are sent to cells.
 
-    In the order of their numbers each is sent to one of the cells that are still free, all equally
-    likely.
+    In the order of their numbers each is sent to one of the cells that are still free and fit it,
+    all equally likely.
 
     Args:
       cells: `[S]` int32, the destination.
       free: `[S]` bool; None: all are.
       words: `[N]` uint32, one for each agent.
       position: `[N]` int32; sent: `[N]` bool.
-
-    Returns:
-      `[N]` int32 new positions, and `[N]` bool who was placed (False also if the cells ran out).
-    """
-    return place_fitting(cells, free, None, words, position, sent)
-
-
-LONG = 16_384  # agents times cells: with more, placing would be too long a program if unrolled
-
-
-def place_fitting(
-    cells: Array,
-    free: Array | None,
-    own: Array | None,
-    words: Array,
-    position: Array,
-    sent: Array,
-) -> tuple[Array, Array]:
-    """Returns what `place` does, where each agent is sent to one of the free cells that fit it.
-
-    Args:
       own: `[N, S]` bool, which cells fit each agent; None: all do.
-      cells, free, words, position, sent: as in `place`.
 
     Returns:
-      as `place`: an agent for whom no fitting cell is left was not placed.
+      `[N]` int32 new positions, and `[N]` bool who was placed (False also if no cell was left).
     """
     if cells.shape[0] == 0:
         return position, jnp.zeros_like(sent)
     packed = bits.pack_all(cells.shape[0]) if free is None else bits.pack(free)
-    result: tuple[Array, Array] = _placed(cells, packed, own, words, position, sent)
-    return result
+    return _placed(cells, packed, own, words, position, sent)
 
 
-@jax.jit  # as above
+@one_function
 def _placed(
     cells: Array, free: Array, own: Array | None, words: Array, position: Array, sent: Array
 ) -> tuple[Array, Array]:
@@ -321,7 +283,7 @@ def _one_by_one(
         waiting, free, position, placed = state
         who = jnp.argmax(waiting).astype(jnp.int32)
         possible = free if fitting is None else free & entries_in_bounds(fitting, who)
-        number = bits.count(possible)
+        number = bits.size_of_large_set(possible)
         cell = bits.nth(possible, below(entries_in_bounds(words, who), number))
         is_placed = (index == who) & waiting & (number > 0)
         others = bits.without(free, cell)
@@ -356,7 +318,7 @@ def _unrolled(
         if fitting is not None:
             fitting_words = bits.apart(fitting[who])
             possible = [one & fit for one, fit in zip(free_words, fitting_words, strict=True)]
-        total = reduce(lax.add, map(size_of_set, possible))
+        total = reduce(lax.add, map(bits.size_of_set, possible))
         number, bit = bits.nth_of(possible, below(words[who], total))
         is_placed = (((sent_bits >> who) & 1) != 0) & (total > 0)
         taken = jnp.where(is_placed, jnp.uint32(1) << bit.astype(jnp.uint32), jnp.uint32(0))
@@ -395,13 +357,12 @@ def come_back(
       words, turns: `[N]` uint32, the random bits that cells and headings are drawn by.
       heading: `[N]` integers.
       away_facing: `[N]` int32, the heading each will have, ANY_HEADING or SAME_HEADING.
-      cells, free, position: as of `place`.
-      own: as of `place_fitting`, None if each cell fits everybody.
+      cells, free, position, own: as of `place`.
 
     Returns:
       `[N]` int32, `[N]` of the dtype of `heading`, and `[N]` bool.
     """
-    position, placed = place_fitting(cells, free, own, words, position, back)
+    position, placed = place(cells, free, words, position, back, own)
     facing = jnp.where(away_facing == ANY_HEADING, below(turns, 4), away_facing)
     facing = facing.astype(heading.dtype)
     facing = jnp.where(away_facing == SAME_HEADING, heading, facing)
@@ -418,19 +379,9 @@ def pair(ranks: Array, alike: bool) -> Array:
     Returns:
       `[L]` int32, R for those without a partner.
     """
-    left, right = ranks.shape
-    if left == 0 or right == 0:
-        return jnp.full(left, right, jnp.int32)
-    most = left // 2 if alike else min(left, right)
-    in_turn = partial(_paired_in_turn, alike=alike, most=most)
-    if most > MOST_PAIRS:
-        return in_turn(ranks)
-
-    def unrolled(ranks: Array) -> Array:
-        everybody = jnp.broadcast_to(jnp.arange(right, dtype=jnp.int32)[None], ranks.shape)
-        return _paired_unrolled(everybody, ranks, right, alike, most)
-
-    return by_platform(in_turn, unrolled, ranks)
+    right = ranks.shape[1]
+    everybody = jnp.broadcast_to(jnp.arange(right, dtype=jnp.int32)[None], ranks.shape)
+    return pair_reached(everybody, ranks, right, alike)
 
 
 MOST_PAIRS = 16  # whose turns are unrolled
@@ -497,33 +448,6 @@ def _gone(lefts: Array, rights: Array, a: Array, b: Array, alike: bool) -> Array
     return gone | (lefts == b) | (rights == a) if alike else gone
 
 
-def _paired_in_turn(ranks: Array, alike: bool, most: int) -> Array:
-    """The form of `pair` for CPUs."""
-    left, right = ranks.shape
-    rows = jnp.arange(left)
-    cols = jnp.arange(right)
-
-    def take(_: int, state: tuple[Array, Array]) -> tuple[Array, Array]:
-        """Takes the pair with the greatest rank, and removes what it makes impossible."""
-        ranks, partner = state
-        best = jnp.argmax(ranks.reshape(-1))  # of all pairs, row by row
-        a = best // right  # the left member of the pair
-        b = best % right  # the right one
-        is_pair = ranks.reshape(-1)[best] > 0
-        partner = jnp.where(is_pair & (rows == a), b.astype(jnp.int32), partner)
-        gone_row = rows == a
-        gone_col = cols == b
-        if alike:  # both sides are the same members
-            gone_row = gone_row | (rows == b)
-            gone_col = (cols == a) | gone_col
-        gone = gone_row[:, None] | gone_col[None, :]
-        return jnp.where(is_pair & gone, jnp.uint32(0), ranks), partner
-
-    start = (ranks, jnp.full(left, right, jnp.int32))
-    result: Array = lax.fori_loop(0, most, take, settled(partial(take, 0), start))[1]
-    return result
-
-
 def pair_reached(reached: Array, ranks: Array, right: int, alike: bool) -> Array:
     """Returns what `pair` returns, from the few right members that each left member reaches.
 
@@ -544,7 +468,7 @@ def pair_reached(reached: Array, ranks: Array, right: int, alike: bool) -> Array
     if reached.shape[1] == 1 and not alike:
         return _reached_at_once(reached[:, 0], ranks[:, 0], right)
     most = min(left, right) // (2 if alike else 1)
-    in_turn = partial(_reached_paired_in_turn, right=right, alike=alike)
+    in_turn = partial(_paired_in_turn, right=right, alike=alike)
     if most > MOST_PAIRS:
         return in_turn(reached, ranks)
     unrolled = partial(_paired_unrolled, right=right, alike=alike, most=most)
@@ -565,7 +489,7 @@ def _reached_at_once(reached: Array, ranks: Array, right: int) -> Array:
     return jnp.where((ranks > 0) & ~outdone, reached, right)
 
 
-def _reached_paired_in_turn(reached: Array, ranks: Array, right: int, alike: bool) -> Array:
+def _paired_in_turn(reached: Array, ranks: Array, right: int, alike: bool) -> Array:
     """The form of `pair_reached` for CPUs: as many turns as there are pairs."""
     left = reached.shape[0]
     rows = jnp.arange(left, dtype=jnp.int32)
@@ -632,5 +556,4 @@ def drawn_by_lot(place: Array, rank: Array, size: int) -> Array:
     nobody = place.shape[0]
     of_nobody = jnp.full(size, nobody, jnp.int32)
     first = of_nobody.at[place].min(jnp.where(is_top, number, nobody))
-    result: Array = number == first[place]
-    return result
+    return number == first[place]

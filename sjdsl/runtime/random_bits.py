@@ -14,6 +14,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array, lax
 
+from sjdsl.runtime.forms import one_function
 from sjdsl.runtime.varying import settled
 
 _ROTATIONS = (13, 15, 26, 6, 17, 29, 16, 24)
@@ -57,11 +58,10 @@ def random_bits_at(key: Array, stream: int | Array, numbers: Array) -> Array:
     Returns:
       uint32 of the shape of `numbers`.
     """
-    result: Array = _numbered(key, jnp.uint32(stream), numbers)
-    return result
+    return _numbered(key, jnp.uint32(stream), numbers)
 
 
-@jax.jit  # one function of the program for each shape, however many rules draw
+@one_function
 def _numbered(key: Array, stream: Array, numbers: Array) -> Array:
     first, second = _threefry(key, stream, numbers >> 1)
     return jnp.where((numbers & 1) == 0, first, second)
@@ -84,7 +84,7 @@ def _threefry(key: Array, stream: Array, numbers: Array) -> tuple[Array, Array]:
     return x0, x1
 
 
-@jax.jit  # as above
+@one_function
 def _mixed(x0: Array, x1: Array, rotation: Array) -> tuple[Array, Array]:
     x0 = x0 + x1
     return x0, x0 ^ (x1 << rotation | x1 >> (jnp.uint32(32) - rotation))
@@ -122,7 +122,7 @@ def next_threshold(before: Array, probability: Array) -> Array:
     return result
 
 
-@jax.jit  # as above
+@one_function
 def below(word: Array, bound: Array | int) -> Array:
     """Returns floor(word * bound / 2^32), int32: uniform below bounds of up to 65,535."""
     n = jnp.asarray(bound, jnp.uint32)
@@ -130,8 +130,7 @@ def below(word: Array, bound: Array | int) -> Array:
     lower_half = word & 0xFFFF
     upper = upper_half * n
     carried = (lower_half * n) >> 16
-    result: Array = ((upper + carried) >> 16).astype(jnp.int32)
-    return result
+    return ((upper + carried) >> 16).astype(jnp.int32)
 
 
 def dealt_values(words: Array, number: int) -> Array:

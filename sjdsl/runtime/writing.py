@@ -99,14 +99,12 @@ def _written(
 
 def _set_in_turn(values: Array, numbers: tuple[Array, ...], new: Any) -> Array:
     """The form for CPUs."""
-    result: Array = values.at[numbers].set(new, mode="drop")
-    return result
+    return values.at[numbers].set(new, mode="drop")
 
 
 def _add_in_turn(values: Array, numbers: tuple[Array, ...], amounts: Any) -> Array:
     """The form for CPUs."""
-    result: Array = values.at[numbers].add(amounts, mode="drop")
-    return result
+    return values.at[numbers].add(amounts, mode="drop")
 
 
 def _set_by_comparing(values: Array, numbers: tuple[Array, ...], new: Any) -> Array:

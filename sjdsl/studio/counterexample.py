@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from sjdsl.compiler import Build, ir
-from sjdsl.compiler.ir.sorts import Level
+from sjdsl.compiler.ir.entity_types import Level
 from sjdsl.properties import GameFamily
 from sjdsl.properties.trajectory import Scenario, draws_of_start, play
 from sjdsl.studio.episode import LONGEST, Episode, TooLong, with_reward

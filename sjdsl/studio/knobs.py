@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.sorts import Level
+from sjdsl.compiler.ir.entity_types import Level
 from sjdsl.interpreter.numbers import real
 
 INFINITE = 1e9  # a limit beyond it is none

@@ -40,16 +40,16 @@ def state_differences(
     ]
     if allowed is not None:
         pairs.append(("allowed actions", np.asarray(allowed).tolist(), action_mask(game, world)))
-    for sort, herd in herds(world).items():
-        suffix = f" of {sort.name}" if sort.what == "mover" else ""
-        cells = np.asarray(getattr(state, attribute_of("position", sort))).tolist()
+    for entity_type, herd in herds(world).items():
+        suffix = f" of {entity_type.name}" if entity_type.what == "mover" else ""
+        cells = np.asarray(getattr(state, attribute_of("position", entity_type))).tolist()
         compiled = [_row_and_col(env, cell) if cell else None for cell in cells]
         interpreted = [None if place is None else tuple(place) for place in herd.position]
         places.insert(0, (f"places{suffix}", compiled, interpreted))
         ticks = [away.ticks if away else 0 for away in herd.away]
         for name, values in (("moved", herd.moved), ("away", ticks)):
-            if hasattr(state, attribute_of(name, sort)):
-                compiled = np.asarray(getattr(state, attribute_of(name, sort))).tolist()
+            if hasattr(state, attribute_of(name, entity_type)):
+                compiled = np.asarray(getattr(state, attribute_of(name, entity_type))).tolist()
                 pairs.append((f"{name}{suffix}", compiled, values))
     for phase in marking_phases(game):
         cells = np.asarray(getattr(state, f"mark_{phase.name}", ())).tolist()

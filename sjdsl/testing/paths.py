@@ -46,7 +46,7 @@ def find_field(game: ir.Game, text: str) -> FieldPath:
     owner, name, brackets = match.groups() if match else (None, text, "")
     owners = {"agent": game.agents.fields}
     owners |= {kind.name: kind.fields for kind in game.kinds}
-    owners |= {sort.name: sort.fields for sort in game.movers}
+    owners |= {movers.name: movers.fields for movers in game.movers}
     if owner is not None and owner not in owners:
         raise ValueError(f"`{text}`: the game has no `{owner}`{meant(owner, owners)}")
     fields = owners[owner] if owner else game.fields
@@ -99,7 +99,7 @@ def owners_of(path: FieldPath, board: Board) -> list[Any] | None:
         case "agent":
             return list(range(board.agents))
         case "mover":
-            numbers = {sort.name: sort.number for sort in board.game.movers}
+            numbers = {movers.name: movers.number for movers in board.game.movers}
             return list(range(numbers[owner.name]))
         case "cell":
             return [tuple(cell) for cell in board.cells[owner.name]]

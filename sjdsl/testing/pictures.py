@@ -136,27 +136,27 @@ def read_mover_cells(
     Raises:
       ValueError: there are more or fewer movers than in the game, or the numbers don't fit.
     """
-    cells: dict[str, list[Cell]] = {sort.name: [] for sort in signs.game.movers}
+    cells: dict[str, list[Cell]] = {movers.name: [] for movers in signs.game.movers}
     for row_index, row in enumerate(rows):
         for col, sign in enumerate(row.signs):
             if sign in signs.movers:
                 cells[signs.movers[sign]].append(Cell(row_index, col))
     places: dict[str, list[Cell | None]] = {}
-    for sort in signs.game.movers:
-        name = sort.name
+    for movers in signs.game.movers:
+        name = movers.name
         absent = away.get(name, ())
         for number in absent:
-            if number not in range(sort.number):
+            if number not in range(movers.number):
                 raise ValueError(
-                    f"there is no `{name}` {number}: the game has {sort.number} movers `{name}`, "
+                    f"there is no `{name}` {number}: the game has {movers.number} movers `{name}`, "
                     "numbered from 0"
                 )
-        present = [number for number in range(sort.number) if number not in absent]
+        present = [number for number in range(movers.number) if number not in absent]
         if len(cells[name]) != len(present):
             and_away = f" and {len(absent)} away" if absent else ""
             raise ValueError(
-                f"the game has {sort.number} movers `{name}`{and_away}; "
-                f"the picture has {len(cells[name])} `{sort.glyph}`"
+                f"the game has {movers.number} movers `{name}`{and_away}; "
+                f"the picture has {len(cells[name])} `{movers.glyph}`"
             )
         order = list(numbers.get(name, present))
         if sorted(order) != present:
@@ -165,7 +165,7 @@ def read_mover_cells(
                 f"not {order}"
             )
         by_number = dict(zip(order, cells[name], strict=True))
-        places[name] = [by_number.get(number) for number in range(sort.number)]
+        places[name] = [by_number.get(number) for number in range(movers.number)]
     return places
 
 
@@ -210,7 +210,7 @@ def draw_cells(signs: Signs, board: Board, world: World) -> list[list[str]]:
 
 def draw_picture(signs: Signs, board: Board, world: World) -> list[Row]:
     """Returns the current map with movers and agents over it, and the numbers of all agents."""
-    movers = {sort: character for character, sort in signs.movers.items()}
+    movers = {entity_type: character for character, entity_type in signs.movers.items()}
     cells = draw_cells(signs, board, world)
     snapshot = snapshot_of(board.game, world, ())
     return [Row(*line) for line in with_figures(cells, snapshot, movers, signs.arrows)]

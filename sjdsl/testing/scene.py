@@ -306,9 +306,9 @@ class Scene:
                 return self._of_last_step(self.reward), agents
             case "agent.heading":
                 return self.headings(), agents
-        sort, _, attribute = name.partition(".")
-        if attribute in _ATTRIBUTES and sort in {"agent", *self.world.movers}:
-            values = _ATTRIBUTES[attribute](self.world.movers.get(sort, self.world))
+        entity_type, _, attribute = name.partition(".")
+        if attribute in _ATTRIBUTES and entity_type in {"agent", *self.world.movers}:
+            values = _ATTRIBUTES[attribute](self.world.movers.get(entity_type, self.world))
             return values, list(range(len(values)))
         path = find_field(self.env.game, name)
         return read_field(path, self.world), owners_of(path, self.stage.board)

@@ -83,7 +83,7 @@ def make_signs(game: ir.Game, looks: Mapping[str, str], arrows: str) -> Signs:
         )
     signs = {character: _read_look(game, character, text) for character, text in looks.items()}
     glyphs = {glyph.glyph: glyph for glyph in game.glyphs}
-    movers = {sort.glyph: sort.name for sort in game.movers}
+    movers = {movers.glyph: movers.name for movers in game.movers}
     for character in (*signs, *glyphs, *movers):
         if character in arrows:
             meaning = f"a `{movers[character]}`" if character in movers else "a cell"

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from sjdsl.compiler import Build, ir
-from sjdsl.compiler.ir.sorts import Sort
+from sjdsl.compiler.ir.entity_types import EntityType
 from sjdsl.interpreter.board import Board, board_of
 from sjdsl.interpreter.state import Cell, World
 from sjdsl.interpreter.step import play_starting, reset
@@ -162,7 +162,11 @@ class Stage:
         world = reset(game, interpreted, draws, sends=False)
         rows = read_picture(picture, self.signs)
         poses = read_poses(rows, self.signs, board.agents, away)
-        unknown = [sort for sort in (*movers_away, *numbers) if sort not in world.movers]
+        unknown = [
+            entity_type
+            for entity_type in (*movers_away, *numbers)
+            if entity_type not in world.movers
+        ]
         if unknown:
             near = meant(unknown[0], world.movers)
             raise ValueError(f"the game has no movers `{unknown[0]}`{near}")
@@ -213,15 +217,17 @@ def _put_bodies(
         world.heading[agent] = heading
     for agent, absence in away.items():
         world.away[agent] = make_away(game, agent, *_ticks_and_phase(absence))
-    for sort, cells in mover_cells.items():
-        herd = world.movers[sort]
+    for entity_type, cells in mover_cells.items():
+        herd = world.movers[entity_type]
         herd.position = list(cells)
         herd.moved = [False] * len(cells)
         herd.fields["heading"] = ["north"] * len(cells)
         herd.away = [None] * len(cells)
-        for number, absence in movers_away.get(sort, {}).items():
+        for number, absence in movers_away.get(entity_type, {}).items():
             ticks, phase = _ticks_and_phase(absence)
-            herd.away[number] = make_away(game, number, ticks, phase, Sort("mover", (sort,)))
+            herd.away[number] = make_away(
+                game, number, ticks, phase, EntityType("mover", (entity_type,))
+            )
 
 
 def _ticks_and_phase(absence: int | tuple[int, str]) -> tuple[int, str | None]:

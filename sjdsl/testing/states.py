@@ -5,9 +5,9 @@ from typing import Any
 import numpy as np
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.names import attribute_name, attribute_of
-from sjdsl.compiler.ir.queries import all_fields, body_sort, contains, phases_of
-from sjdsl.compiler.ir.sorts import AGENTS
+from sjdsl.compiler.ir.queries import all_fields, body_type, contains, phases_of
 from sjdsl.compiler.lower.pools import all_pools
 from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.bodies import herds
@@ -28,7 +28,7 @@ def compiled_state(env: Environment, blank: Any, world: World) -> Any:
     pad = env.module.PAD
     values: dict[str, Any] = {"step": world.step, "heading": world.heading}  # by attribute
     numbers = pool_numbers(env.game)
-    for sort, herd in herds(world).items():
+    for entity_type, herd in herds(world).items():
         bodies = {
             "position": [
                 0 if place is None else (place.row + pad) * cols + place.col + pad
@@ -40,8 +40,8 @@ def compiled_state(env: Environment, blank: Any, world: World) -> Any:
             "away_facing": [FACINGS.index(away.facing) if away else 0 for away in herd.away],
         }
         for name, column in bodies.items():
-            if hasattr(blank, attribute_of(name, sort)):
-                values[attribute_of(name, sort)] = column
+            if hasattr(blank, attribute_of(name, entity_type)):
+                values[attribute_of(name, entity_type)] = column
     for declared in all_fields(env.game):
         stored = np.asarray(stored_values(declared, world))
         dtype = getattr(blank, attribute_name(declared)).dtype
@@ -80,19 +80,21 @@ def pool_numbers(game: ir.Game) -> dict[Pool, int]:
     return numbers
 
 
-def away_pools(game: ir.Game, sort: ir.Sort) -> dict[Pool, ir.Send]:
+def away_pools(game: ir.Game, entity_type: ir.EntityType) -> dict[Pool, ir.Send]:
     """Returns the destinations for which agents, or movers of an entity type, can be away.
 
     Each with a statement that sends to it.
     """
     sends = board_of(game).pools.items()
     return {
-        pool: send for pool, send in sends if send.after is not None and body_sort(send.who) == sort
+        pool: send
+        for pool, send in sends
+        if send.after is not None and body_type(send.who) == entity_type
     }
 
 
 def make_away(
-    game: ir.Game, number: int, ticks: int, phase: str | None, sort: ir.Sort = AGENTS
+    game: ir.Game, number: int, ticks: int, phase: str | None, entity_type: ir.EntityType = AGENTS
 ) -> Away:
     """Returns how an agent, or a mover of an entity type, is away.
 
@@ -102,7 +104,7 @@ def make_away(
     Raises:
       ValueError: the game never sends it away so.
     """
-    who = f"{sort.name} {number}"
+    who = f"{entity_type.name} {number}"
     if ticks == 0:
         if not contains(game, ir.Remove):
             raise ValueError(
@@ -110,7 +112,7 @@ def make_away(
                 "so give the ticks until it returns"
             )
         return Away(0, None, None)
-    pools = away_pools(game, sort)
+    pools = away_pools(game, entity_type)
     labels = {phase.name: phase.label for phase in phases_of(game)}
     phases = sorted({labels[pool.phase] for pool in pools})
     if ticks < 0:

@@ -3,14 +3,14 @@
 from collections.abc import Sequence
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.queries import (
     beginning_phases,
     blocks_always,
-    body_sort,
+    body_type,
     contains,
     kind_named,
 )
-from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.lower.cell_appearance import OTHER_FACING, OUTSIDE
 from sjdsl.doc.actions import has_built_in_moves
 from sjdsl.runtime.actions import DIRECTIONS, HEADINGS, STEPS, TURNS
@@ -54,7 +54,7 @@ def looks_north(game: ir.Game) -> bool:
     return all(
         node.facing in ("north", "same")
         for node in nodes
-        if isinstance(node, ir.Send | ir.Shift) and body_sort(node.who) == AGENTS
+        if isinstance(node, ir.Send | ir.Shift) and body_type(node.who) == AGENTS
     )
 
 

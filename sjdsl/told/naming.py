@@ -51,16 +51,18 @@ class Naming:
 
     def noun(self, member: ir.Member, plural: bool = False) -> str:
         """Returns `agent`, `deer` or `soil cell`."""
-        if member.sort.what == "cell":
+        if member.entity_type.what == "cell":
             noun = self.kinds(member.kinds)
             return noun.replace("cell", "cells", 1) if plural else noun
-        return "agents" if plural and member.sort.what == "agent" else member.sort.name
+        return (
+            "agents" if plural and member.entity_type.what == "agent" else member.entity_type.name
+        )
 
     def is_plain(self, member: ir.Member) -> bool:
         """Returns whether a variable is called as what it is."""
-        if member.sort.what == "cell":
+        if member.entity_type.what == "cell":
             return member.kinds == (member.name,)
-        return member.name == member.sort.name
+        return member.name == member.entity_type.name
 
     def introduced(self, member: ir.Member, plural: bool = False) -> str:
         """Returns a variable where it is introduced: `soil cell`, `agent (the zapper)`."""
@@ -74,7 +76,7 @@ class Naming:
     def refer(self, member: ir.Member) -> str:
         """Returns a variable where it is used: `the soil`, `the zapper`, `agent a`, `cell x`."""
         if len(member.name) < SHORTEST and not self.is_plain(member):
-            return f"{'cell' if member.sort.what == 'cell' else member.sort.name} {member.name}"
+            return f"{'cell' if member.entity_type.what == 'cell' else member.entity_type.name} {member.name}"
         return f"the {member.name}"
 
 

@@ -191,7 +191,7 @@ def not_shown(relevant: Relevant) -> list[str]:
     for observable in relevant.game.observables:
         shown |= fields_read(observable)
         if observable.what != "other":
-            shown.add((observable.sort.what, observable.sort.name, observable.field))
+            shown.add((observable.entity_type.what, observable.entity_type.name, observable.field))
     return [
         field.name if field.held_by.what == "world" else f"{field.held_by.name}.{field.name}"
         for field in all_fields(relevant.game)

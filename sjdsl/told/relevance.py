@@ -39,7 +39,7 @@ def relevant(game: ir.Game) -> Relevant:
     for node in (*outside, *blocks, game.window, game.episode):
         read |= fields_read(node)
     for observable in game.observables:
-        read.add((observable.sort.what, observable.sort.name, observable.field))
+        read.add((observable.entity_type.what, observable.entity_type.name, observable.field))
     marking = {phase.name for phase in seen_marks(game)}
     pruned = _pruned_game(game, read, marking)
     while True:

@@ -11,7 +11,7 @@ from sjdsl.compiler.ir.queries import (
     all_fields,
     beginning_phases,
     blocks_always,
-    body_sorts,
+    body_types,
     can_be_away,
     task_space,
 )
@@ -219,15 +219,15 @@ class _Player:
         )
 
     def _block(self, block: ir.Block) -> list[str]:
-        sorts = {sort.name: sort.name for sort in self.game.movers} | {"agents": "agent"}
+        nouns = {movers.name: movers.name for movers in self.game.movers} | {"agents": "agent"}
         is_always = block.condition is None
-        if block.what not in sorts or (block.what == "agents" and is_always):
+        if block.what not in nouns or (block.what == "agents" and is_always):
             return []
         if is_always:
-            return [f"no {sorts[block.what]} can enter it"]
+            return [f"no {nouns[block.what]} can enter it"]
         assert block.condition is not None
         test = self.english.text(block.condition)
-        return [f"{article(sorts[block.what])} can't enter it if {test}"]
+        return [f"{article(nouns[block.what])} can't enter it if {test}"]
 
     def _fields(self, fields: tuple[ir.VarField, ...], kind: ir.Kind | None = None) -> list[str]:
         """Returns the fields that matter, each with its values and its start."""
@@ -388,7 +388,7 @@ class _Player:
                 "a cell is free if nobody stood on it when the stage began; several who are sent "
                 "get different cells, by lot"
             )
-        if any(can_be_away(self.game, sort) for sort in body_sorts(self.game)):
+        if any(can_be_away(self.game, entity_type) for entity_type in body_types(self.game)):
             notes.append(
                 "whoever is away stands nowhere, sees nothing and does nothing; its fields stay, and "
                 "it can still get rewards"

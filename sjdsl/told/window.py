@@ -78,10 +78,10 @@ class Window:
 
     def mover(self, seen: Planes, place: Place) -> str | None:
         """Returns the sort of the mover that is seen on a cell."""
-        for sort in self.game.movers:
-            for plane in self._planes_of(sort):
+        for movers in self.game.movers:
+            for plane in self._planes_of(movers):
                 if seen[self._numbers[plane.name]][place] > 0:
-                    return sort.name
+                    return movers.name
         return None
 
     def uniform_value(self, seen: Planes, name: str) -> str | None:
@@ -91,13 +91,13 @@ class Window:
         number = self._numbers[name]
         return _value(self.planes[number], int(seen[number, 0, 0]))
 
-    def _planes_of(self, sort: ir.Movers) -> list[TokenPlane]:
+    def _planes_of(self, movers: ir.Movers) -> list[TokenPlane]:
         """Returns the planes of a sort of movers that are above 0 where one is."""
         return [
             plane
             for plane in self.planes
-            if plane.name == sort.name
-            or (plane.name.startswith(f"{sort.name}.") and plane.encoding == "word")
+            if plane.name == movers.name
+            or (plane.name.startswith(f"{movers.name}.") and plane.encoding == "word")
         ]
 
     def _grid(self, seen: Planes) -> list[str]:

@@ -15,7 +15,7 @@ from sjdsl.interpreter.bodies import (
     heading_of,
     herd_of,
     number_of,
-    sort_of_body,
+    type_of_body,
     where_is,
 )
 from sjdsl.interpreter.evaluate import agents_in, cells_in, evaluate
@@ -180,7 +180,7 @@ def _bodies(account: Account, board: Board, numbers: RandomNumbers) -> Iterator[
         ]
         for changed, old, new in changes:
             if changed == "heading" and isinstance(body, Mover):
-                if Slot("heading", (body.sort, n), ()) in written:
+                if Slot("heading", (body.entity_type, n), ()) in written:
                     continue  # an effect on a field
             if old != new:
                 causes = by
@@ -201,7 +201,7 @@ def _senders(account: Account, board: Board, body: Body) -> Iterator[Done]:
             yield Done(board.pools[away.pool], {}, (), {})
     for done in account.done:
         match done.statement:
-            case ir.Move() if done.statement.domain.var.sort == sort_of_body(body):
+            case ir.Move() if done.statement.domain.var.entity_type == type_of_body(body):
                 yield done
             case ir.Send() if body in [sending.agent for sending in done.written.get("sends", ())]:
                 yield done

@@ -41,7 +41,7 @@ def make_teller(board: Board, rules: Rules, phases: Collection[str] = ()) -> Tel
     agents = frozenset(
         node.name
         for node in ir.walk(board.game)
-        if isinstance(node, ir.Member) and node.sort.what == "agent"
+        if isinstance(node, ir.Member) and node.entity_type.what == "agent"
     )
     return Teller(board, rules, make_letters(board.game), phases, agents)
 

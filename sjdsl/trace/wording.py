@@ -15,7 +15,7 @@ def say_owner(owner: int | Mover | Cell | None, board: Board) -> str:
         case None:
             return ""
         case Mover():
-            return f"{owner.sort} {owner.number}"
+            return f"{owner.entity_type} {owner.number}"
         case Cell():
             return f"{board.kind_of[owner]} {say_cell(owner)}"
         case _:
@@ -39,7 +39,7 @@ def say_value(value: Value, type_: ir.Type | None = None) -> str:
         case Cell():
             return say_cell(value)
         case Mover():
-            return f"{value.sort} {value.number}"
+            return f"{value.entity_type} {value.number}"
         case tuple() | np.ndarray():
             return "[" + ", ".join(say_value(entry, type_) for entry in value) + "]"
         case bool():
@@ -111,7 +111,7 @@ def say_names(
         is_body = name in turn_agents or isinstance(value, Cell | Mover)
         if is_body and value == owner:
             continue
-        if isinstance(value, Mover) and name == value.sort:
+        if isinstance(value, Mover) and name == value.entity_type:
             texts.append(f"{name} {value.number}")
         elif isinstance(value, Cell) and name == board.kind_of[value]:
             texts.append(say_owner(value, board))

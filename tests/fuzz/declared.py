@@ -5,7 +5,7 @@ from random import Random
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.sorts import Level, level_of_agents, level_of_numbers
+from sjdsl.compiler.ir.entity_types import Level, level_of_agents, level_of_numbers
 from sjdsl.runtime.actions import HEADINGS
 
 Lines = list[str]

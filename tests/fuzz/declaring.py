@@ -3,7 +3,7 @@
 from random import Random
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.sorts import Level
+from sjdsl.compiler.ir.entity_types import Level
 from sjdsl.compiler.ir.types import UNIT_LIMITS
 from tests.fuzz.acting import declare_actions
 from tests.fuzz.declared import Event, Field, Kind, Number, Shape, World

@@ -336,7 +336,9 @@ STANDING_IN = {
     "jax.numpy": JNP,
     "jax.custom_batching": SimpleNamespace(custom_vmap=_CustomVmap),
     "flax": SimpleNamespace(struct=SimpleNamespace(dataclass=_dataclass)),
-    "sjdsl.runtime.forms": SimpleNamespace(by_platform=_on_cpu),
+    "sjdsl.runtime.forms": SimpleNamespace(
+        by_platform=_on_cpu, one_function=lambda kernel, **_: kernel
+    ),
     "sjdsl.runtime.varying": SimpleNamespace(
         settled=lambda _, start: start, either=lambda test, yes, no: yes() if bool(test) else no()
     ),

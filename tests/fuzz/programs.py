@@ -11,7 +11,7 @@ from random import Random
 from hypothesis import strategies as st
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.sorts import Level
+from sjdsl.compiler.ir.entity_types import Level
 from sjdsl.runtime.actions import HEADINGS
 from tests.fuzz.acting import forbidden
 from tests.fuzz.checked import checks, metrics, observe

@@ -3,8 +3,8 @@
 from math import inf
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.entity_types import Level
 from sjdsl.compiler.ir.operations import CALCULATIONS
-from sjdsl.compiler.ir.sorts import Level
 from sjdsl.compiler.ir.types import element, hull
 from tests.fuzz.reading import Scope, Typed
 from tests.fuzz.typed_numbers import combined, ends_of, fitted, interval, real_type, whole_type

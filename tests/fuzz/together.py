@@ -13,7 +13,7 @@ import numpy as np
 from sjdsl.compiler import ir
 from sjdsl.compiler.emit.module import render
 from sjdsl.compiler.ir.names import attribute_of
-from sjdsl.compiler.ir.queries import body_sorts
+from sjdsl.compiler.ir.queries import body_types
 from sjdsl.compiler.lower import lower
 from sjdsl.compiler.lower.pools import all_pools
 from sjdsl.interpreter.overflow import LeavesFloat32
@@ -182,12 +182,12 @@ def plain(env: OnNumPy, state: Any) -> dict[str, Any]:
     number of its destination, as destinations are counted through the game.
     """
     (_, cols), pad = env.module.FRAME, env.module.PAD
-    positions = [attribute_of("position", sort) for sort in body_sorts(env.game)]
+    positions = [attribute_of("position", sort) for sort in body_types(env.game)]
     values = {
         n: v for n, v in vars(state).items() if n not in positions and not n.startswith("mark_")
     }
     places = {n: np.asarray(getattr(state, n)) for n in positions if hasattr(state, n)}
-    for sort in body_sorts(env.game):
+    for sort in body_types(env.game):
         name, ticks = attribute_of("away_pool", sort), values.get(attribute_of("away", sort))
         if name in values and ticks is not None:
             values[name] = [

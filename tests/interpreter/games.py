@@ -44,25 +44,25 @@ def word(value: str, *others: str) -> ir.Word:
 
 
 def agent(name: str = "agent") -> ir.Member:
-    return ir.Member(name=name, sort=ir.Sort("agent"))
+    return ir.Member(name=name, entity_type=ir.EntityType("agent"))
 
 
 def cell(kind: str, name: str | None = None) -> ir.Member:
-    return ir.Member(name=name or kind, sort=ir.Sort("cell", (kind,)))
+    return ir.Member(name=name or kind, entity_type=ir.EntityType("cell", (kind,)))
 
 
 def of_agent(name: str, type_: ir.Type = INT, who: ir.Expr | None = None) -> ir.FieldRead:
-    return ir.FieldRead(type=type_, owner=who or agent(), held_by=ir.Sort("agent"), name=name)
+    return ir.FieldRead(type=type_, owner=who or agent(), held_by=ir.EntityType("agent"), name=name)
 
 
 def of_cell(kind: str, name: str, type_: ir.Type, who: ir.Expr | None = None) -> ir.FieldRead:
     return ir.FieldRead(
-        type=type_, owner=who or cell(kind), held_by=ir.Sort("cell", (kind,)), name=name
+        type=type_, owner=who or cell(kind), held_by=ir.EntityType("cell", (kind,)), name=name
     )
 
 
 def of_world(name: str, type_: ir.Type = INT) -> ir.FieldRead:
-    return ir.FieldRead(type=type_, owner=None, held_by=ir.Sort("world"), name=name)
+    return ir.FieldRead(type=type_, owner=None, held_by=ir.EntityType("world"), name=name)
 
 
 def plus(*args: ir.Expr, fn: str = "+", type_: ir.Type = INT) -> ir.Arithmetic:
@@ -132,12 +132,14 @@ def line(length: int, name: str = "ray", see_through: bool = False) -> ir.Shape:
 
 
 def kind(name: str, glyph: str, *fields: ir.VarField, blocks: tuple[ir.Block, ...] = ()) -> ir.Kind:
-    own = tuple(field.model_copy(update={"held_by": ir.Sort("cell", (name,))}) for field in fields)
+    own = tuple(
+        field.model_copy(update={"held_by": ir.EntityType("cell", (name,))}) for field in fields
+    )
     return ir.Kind(name=name, glyph=glyph, fields=own, blocks=blocks)
 
 
 def var(held_by: str, name: str, type_: ir.Type = INT, **facts: object) -> ir.VarField:
-    return ir.VarField(held_by=ir.Sort(held_by), name=name, type=type_, **facts)
+    return ir.VarField(held_by=ir.EntityType(held_by), name=name, type=type_, **facts)
 
 
 def game(

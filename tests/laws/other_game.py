@@ -11,7 +11,7 @@ from typing import Any
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.tree import rewrite
-from sjdsl.compiler.ir.queries import body_sort, shows_attribute
+from sjdsl.compiler.ir.queries import body_type, shows_attribute
 from sjdsl.compiler.ir.types import integer, words
 from sjdsl.interpreter.state import HEADINGS
 from tests.laws.symmetry import Symmetry
@@ -75,11 +75,13 @@ def _rule(s: Symmetry, game: ir.Game, headings: bool = True) -> Callable[[Any], 
                 return _coordinate(node, s)
             case ir.Attribute(name="heading") if headings and (s.mirror or s.quarters):
                 return _heading_before(node, s)
-            case ir.FieldRead(held_by=ir.Sort("mover"), name="heading") if s.mirror or s.quarters:
+            case ir.FieldRead(held_by=ir.EntityType("mover"), name="heading") if (
+                s.mirror or s.quarters
+            ):
                 return _heading_before(node, s)
             case ir.Set(
                 target=ir.Case(
-                    subject=ir.FieldRead(held_by=ir.Sort("mover"), name="heading") as heading
+                    subject=ir.FieldRead(held_by=ir.EntityType("mover"), name="heading") as heading
                 )
             ):
                 return node.model_copy(
@@ -88,7 +90,7 @@ def _rule(s: Symmetry, game: ir.Game, headings: bool = True) -> Callable[[Any], 
             case ir.Along() | ir.Face():
                 return node.model_copy(update={"heading": _changed_heading(node.heading, s)})
             case ir.Attribute(name="index") if (
-                list(s.order) != sorted(s.order) and body_sort(node.owner).what == "agent"
+                list(s.order) != sorted(s.order) and body_type(node.owner).what == "agent"
             ):
                 arms = [
                     ir.Arm(low=n, high=n, value=ir.Number(type=node.type, value=i))
@@ -165,7 +167,7 @@ def _start(phase: ir.Phase, s: Symmetry, game: ir.Game) -> ir.Phase:
         same = (
             isinstance(node, ir.Send)
             and node.facing == "same"
-            and body_sort(node.who).what == "agent"
+            and body_type(node.who).what == "agent"
         )
         return node.model_copy(update={"facing": "north"}) if same else node
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.queries import body_sort, movers_named
+from sjdsl.compiler.ir.queries import body_type, movers_named
 from sjdsl.interpreter import members
 from sjdsl.interpreter.board import Board, board_of, cells_of
 from sjdsl.interpreter.threefry import return_stream
@@ -110,14 +110,14 @@ def _block(
 
 
 def _digit(domain: ir.Domain, board: Board) -> Digit:
-    if domain.var.sort.what == "cell" and isinstance(domain.restriction, ir.Near):
+    if domain.var.entity_type.what == "cell" and isinstance(domain.restriction, ir.Near):
         return Digit("fixed", members.radix(domain, board))  # a shape's cells keep their numbers
     return _everybody(domain, board)
 
 
 def _body(who: ir.Expr, board: Board) -> Digit:
     """Returns the place of the number of an agent or a mover."""
-    sort = body_sort(who)
+    sort = body_type(who)
     return (
         Digit("fixed", movers_named(board.game, sort.name).number)
         if sort.what == "mover"
@@ -126,7 +126,7 @@ def _body(who: ir.Expr, board: Board) -> Digit:
 
 
 def _everybody(domain: ir.Domain, board: Board) -> Digit:
-    if domain.var.sort.what != "cell":
+    if domain.var.entity_type.what != "cell":
         return _body(domain.var, board)
     return Digit("cell", members.population(domain, board), domain.var.kinds)
 

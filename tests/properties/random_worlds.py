@@ -180,8 +180,8 @@ def _place(state: dict[str, np.ndarray], game: ir.Game, rng: np.random.Generator
     order = np.argsort(rng.random((number, len(cells))), axis=1)
     taken = 0
     for sort, many in (
-        (ir.Sort("agent"), game.agents.number),
-        *((movers.sort, movers.number) for movers in game.movers),
+        (ir.EntityType("agent"), game.agents.number),
+        *((movers.entity_type, movers.number) for movers in game.movers),
     ):
         position, away, heading = (
             attribute_of(name, sort) for name in ("position", "away", "heading")

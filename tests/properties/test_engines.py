@@ -116,7 +116,8 @@ def test_a_state_of_an_episode_is_the_interpreters(
 def test_a_seeker_arrives_and_stays() -> None:
     game = small_game("", text=ORCHARD.replace('"..T" ".T."', '"....." "#.##." "....T"')).own
     seek = ir.Policy(
-        name="seek", domain=ir.Domain(var=ir.Member(name="tree", sort=ir.Sort("cell", ("tree",))))
+        name="seek",
+        domain=ir.Domain(var=ir.Member(name="tree", entity_type=ir.EntityType("cell", ("tree",)))),
     )
     from sjdsl.interpreter.state import Cell, default_params
     from sjdsl.interpreter.step import reset, step

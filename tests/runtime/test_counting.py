@@ -5,13 +5,19 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sjdsl.runtime.bits import as_bits, from_bits, has_member, pack, unpack
+from sjdsl.runtime.bits import (
+    as_bits,
+    from_bits,
+    has_member,
+    pack,
+    size_of_large_set,
+    size_of_set,
+    unpack,
+)
 from sjdsl.runtime.counting import (
     count_near,
     occupied,
     segment_sum,
-    size_of_large_set,
-    size_of_set,
     times_in,
 )
 from sjdsl.runtime.geometry import near_masks

@@ -13,7 +13,6 @@ from sjdsl.runtime.bits import pack
 from sjdsl.runtime.forms import forced
 from sjdsl.runtime.placing import (
     choose,
-    choose_by_chance,
     come_back,
     member_of,
     pair,
@@ -23,14 +22,13 @@ from sjdsl.runtime.placing import (
     pick_of_set,
     pick_of_sets,
     place,
-    place_fitting,
 )
 from sjdsl.runtime.random_bits import random_bits
 
 from . import references
 
 PLACE = jax.jit(jax.vmap(place, in_axes=(None, 0, 0, 0, 0)))
-PLACE_FITTING = jax.jit(jax.vmap(place_fitting, in_axes=(None, 0, 0, 0, 0, 0)))
+PLACE_FITTING = jax.jit(jax.vmap(place, in_axes=(None, 0, 0, 0, 0, 0)))
 CHOOSE = jax.jit(jax.vmap(choose))
 
 
@@ -87,7 +85,7 @@ def test_place(cells: int, agents: int) -> None:
 
 @pytest.mark.parametrize(("cells", "agents"), [(1, 3), (3, 5), (60, 7)])
 def test_place_fitting(cells: int, agents: int) -> None:
-    """As `place`, but each agent chooses among the free cells that fit it; if all fit all, the two are one."""
+    """Each agent chooses among the free cells that fit it."""
     random = np.random.default_rng(100 * cells + agents)
     cases = 60
     site = np.arange(cells) + 1
@@ -97,7 +95,7 @@ def test_place_fitting(cells: int, agents: int) -> None:
     position = random.integers(500, 600, (cases, agents))
     sent = random.random((cases, agents)) < 0.7
     arrays = [
-        jnp.asarray(x) for x in (free, own, word.astype(np.uint32), position.astype(np.int32), sent)
+        jnp.asarray(x) for x in (free, word.astype(np.uint32), position.astype(np.int32), sent, own)
     ]
     found, placed = same_in_both_forms(PLACE_FITTING, jnp.asarray(site, jnp.int32), *arrays)
     for case in range(cases):
@@ -108,13 +106,11 @@ def test_place_fitting(cells: int, agents: int) -> None:
                 cell = references.turn_of(int(word[case, agent]), fitting)
                 left[cell], expected[agent], done[agent] = False, int(site[cell]), True
         assert (found[case].tolist(), placed[case].tolist()) == (expected, done)
-    everything = jnp.ones_like(arrays[1])
-    same = PLACE_FITTING(jnp.asarray(site, jnp.int32), arrays[0], everything, *arrays[2:])
+    everything = jnp.ones_like(own)
+    same = PLACE_FITTING(jnp.asarray(site, jnp.int32), *arrays[:-1], jnp.asarray(everything))
     assert all(
         (x == y).all()
-        for x, y in zip(
-            same, PLACE(jnp.asarray(site, jnp.int32), arrays[0], *arrays[2:]), strict=True
-        )
+        for x, y in zip(same, PLACE(jnp.asarray(site, jnp.int32), *arrays[:-1]), strict=True)
     )
 
 
@@ -267,7 +263,7 @@ def test_choose_by_chance(members: int, turns: int) -> None:
         random.integers(-1, turns + 1, cases),
         random.integers(0, 2**31 + 1, cases),
     )
-    by_chance = jax.vmap(lambda *given: choose_by_chance(*given[:-1], stream, given[-1]))
+    by_chance = jax.vmap(lambda *given: choose(*given[:-1], stream, given[-1]))
     types = (bool, jnp.uint32, jnp.int32, jnp.uint32, jnp.uint32)
     arrays = [
         jnp.asarray(array, kind)

@@ -9,7 +9,7 @@ import pytest
 from sjdsl.runtime import geometry
 from sjdsl.runtime.egocentric_windows import windows
 from sjdsl.runtime.path_search import board, wrapped
-from sjdsl.runtime.steering import gains_around
+from sjdsl.runtime.steering import gains
 from sjdsl.runtime.torus import cells_on, joined_edges, shorter_way
 
 DIRECTIONS = ((-1, 0), (0, 1), (1, 0), (0, -1))
@@ -121,9 +121,7 @@ def test_what_movers_gain_by_a_step(size: tuple[int, int]) -> None:
     here, goals = places(size)[0], places(size)
     cells = jnp.array([[number(*goal, size)] for goal in goals])
     start = jnp.full(len(goals), number(*here, size))
-    found = np.asarray(
-        gains_around(start, cells, jnp.ones_like(cells, bool), size[1] + 2 * PAD, *size)
-    )
+    found = np.asarray(gains(start, cells, jnp.ones_like(cells, bool), size[1] + 2 * PAD, size))
     for goal, gained in zip(goals, found, strict=True):
 
         def far(row: int, col: int, goal: tuple[int, int] = goal) -> int:

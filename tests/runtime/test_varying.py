@@ -19,8 +19,8 @@ KERNELS: dict[str, tuple[Callable[..., Any], tuple[Any, ...]]] = {
     "choose": (placing.choose, (YES, WORDS[:5], jnp.int32(3))),
     "place": (placing.place, (CELLS, YES, WORDS[:3], CELLS[:3], YES[:3])),
     "place fitting": (
-        placing.place_fitting,
-        (CELLS, YES, jnp.ones((3, 40), bool), WORDS[:3], CELLS[:3], YES[:3]),
+        placing.place,
+        (CELLS, YES, WORDS[:3], CELLS[:3], YES[:3], jnp.ones((3, 40), bool)),
     ),
     "pair": (partial(placing.pair, alike=True), (WORDS.reshape(4, 10)[:, :4],)),
     "pair, many": (partial(placing.pair, alike=False), (jnp.outer(WORDS, WORDS),)),

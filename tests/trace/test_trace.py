@@ -48,7 +48,7 @@ def put(effect: Effect, game: ir.Game, world: World) -> None:
                 world.fields[name] = entered(world.fields[name], effect, words)
                 return
             if isinstance(owner, Mover):
-                held = world.movers[owner.sort].fields[name]
+                held = world.movers[owner.entity_type].fields[name]
                 held[owner.number] = entered(held[owner.number], effect, words)
                 return
             board = board_of(game)
@@ -60,11 +60,11 @@ def put(effect: Effect, game: ir.Game, world: World) -> None:
             number = board.number[owner] if isinstance(owner, Cell) else owner
             held[number] = entered(held[number], effect, words)
         case "heading" if isinstance(owner, Mover):
-            headings = world.movers[owner.sort].fields["heading"]
+            headings = world.movers[owner.entity_type].fields["heading"]
             assert headings[owner.number] == HEADINGS[effect.old]
             headings[owner.number] = HEADINGS[effect.new]
         case "place" | "away" | "moved" if isinstance(owner, Mover):
-            herd = world.movers[owner.sort]
+            herd = world.movers[owner.entity_type]
             lists = {"place": herd.position, "away": herd.away, "moved": herd.moved}[effect.changed]
             assert lists[owner.number] == effect.old
             lists[owner.number] = effect.new

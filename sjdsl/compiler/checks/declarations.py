@@ -7,9 +7,9 @@ from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.scope import Static
+from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.names import STATE, state_names
-from sjdsl.compiler.ir.queries import all_fields, body_sort, phases_of, sets
-from sjdsl.compiler.ir.sorts import AGENTS
+from sjdsl.compiler.ir.queries import all_fields, body_type, phases_of, sets
 from sjdsl.runtime.actions import MOVES
 
 
@@ -35,7 +35,7 @@ def check_timers(game: ir.Game, composition: Composition, problems: Problems) ->
     """Reports a missing, doubled or needless `tick`, and timers set on both sides of it."""
     timers = [field for field in all_fields(game) if field.timer]
     away = [
-        body_sort(n.who) for n in ir.walk(game) if isinstance(n, ir.Send) and n.after is not None
+        body_type(n.who) for n in ir.walk(game) if isinstance(n, ir.Send) and n.after is not None
     ]
     ticks = [place for place, turn in enumerate(game.schedule) if isinstance(turn, ir.Tick)]
     assert composition.schedule is not None

@@ -14,18 +14,18 @@ from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
+from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.fold import UnknownValue
 from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.compiler.ir.printer import domain_text
-from sjdsl.compiler.ir.queries import body_sort, phases_of
-from sjdsl.compiler.ir.sorts import AGENTS
+from sjdsl.compiler.ir.queries import body_type, phases_of
 from sjdsl.compiler.ir.values import Evaluation, decided
 
 
 class Body(NamedTuple):
     """An agent or a mover."""
 
-    sort: ir.Sort
+    entity_type: ir.EntityType
     number: int
 
 
@@ -43,24 +43,26 @@ class Pool:
 
 def check_placement(game: ir.Game, sources: Mapping[str, Source], problems: Problems) -> None:
     """Reports agents and movers without a place at the start, and sends without enough cells."""
-    numbers = {AGENTS: game.agents.number} | {movers.sort: movers.number for movers in game.movers}
+    numbers = {AGENTS: game.agents.number} | {
+        movers.entity_type: movers.number for movers in game.movers
+    }
     bodies: list[Body] = []
-    for sort, number in numbers.items():
-        of_sort = [Body(sort, i) for i in range(number)]
-        bodies += of_sort
-        missing = [body.number for body in of_sort if not _always_sent(game.start.body, body)]
+    for entity_type, number in numbers.items():
+        of_type = [Body(entity_type, i) for i in range(number)]
+        bodies += of_type
+        missing = [body.number for body in of_type if not _always_sent(game.start.body, body)]
         if missing:
-            who = f"{sort.name} {missing[0]}"
+            who = f"{entity_type.name} {missing[0]}"
             if len(missing) > 1:
-                who = f"{sort.plural} {missing[0]} .. {missing[-1]}"
-            problems.add(errors.NotSentAtStart(game.start.span, who=who, sort=sort.name))
+                who = f"{entity_type.plural} {missing[0]} .. {missing[-1]}"
+            problems.add(errors.NotSentAtStart(game.start.span, who=who, sort=entity_type.name))
     for phase in phases_of(game):
         for problem in _without_room(phase, game, bodies, sources):
             problems.add(problem)
 
 
 def _is_of(who: ir.Expr, agent: Body) -> bool:
-    return body_sort(who) == agent.sort
+    return body_type(who) == agent.entity_type
 
 
 def _always_sent(body: tuple[ir.Stmt, ...], agent: Body) -> bool:
@@ -222,7 +224,7 @@ def _without_room_at_start(
                 place=place,
                 cells=cells,
                 agents=taken,
-                who=f"{agent.sort.name} {agent.number}",
+                who=f"{agent.entity_type.name} {agent.number}",
             )
         elif pool.sends[0].domain.where is None:
             who = "agents and movers" if game.movers else "agents"

@@ -9,6 +9,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.problems import Problems
 from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.free_variables import free_variables, renamed
 from sjdsl.compiler.ir.implications import conjuncts, facts, is_known
 from sjdsl.compiler.ir.queries import (
@@ -19,7 +20,6 @@ from sjdsl.compiler.ir.queries import (
     num_cells,
     written_field,
 )
-from sjdsl.compiler.ir.sorts import AGENTS
 
 Walk = ir.Go | ir.Aim
 
@@ -36,7 +36,7 @@ def check_policies(game: ir.Game, sources: Mapping[str, Source], problems: Probl
     for walk in _walks(game):
         if isinstance(walk, ir.Go):
             _check_goal(walk.domain, game, sources, problems)
-        named = [d.var.sort.names for d in (walk.domain, walk.avoided) if d is not None]
+        named = [d.var.entity_type.names for d in (walk.domain, walk.avoided) if d is not None]
         for kind, condition in closed:
             if not any(kind in names for names in named):
                 when = _written(condition, sources)
@@ -65,13 +65,13 @@ def _check_goal(
 ) -> None:
     """Warns of a goal that agents cannot reach, or have reached wherever they are."""
     if (
-        goal.var.sort == AGENTS
+        goal.var.entity_type == AGENTS
         and goal.on is None
         and goal.restriction is None
         and goal.where is None
     ):
         problems.add(errors.SeeksItself(goal.span, name=goal.var.name))
-    elif goal.var.sort.what == "cell":
+    elif goal.var.entity_type.what == "cell":
         kinds = [kind for kind in game.kinds if kind.name in goal.var.kinds]
         reasons = [_reason(kind, goal, sources) for kind in kinds]
         if None not in reasons:

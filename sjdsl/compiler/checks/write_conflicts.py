@@ -22,7 +22,7 @@ from sjdsl.compiler.ir.free_variables import free_variables, renamed
 from sjdsl.compiler.ir.implications import Fact, conjuncts, contradict, facts, narrowed
 from sjdsl.compiler.ir.printer import expression_text as text
 from sjdsl.compiler.ir.queries import (
-    body_sort,
+    body_type,
     cell_under_all,
     contains,
     declared_field,
@@ -283,12 +283,12 @@ def _place_writes(
     s: ir.Send | ir.Shift | ir.Remove, value: Form, depends: frozenset[str], around: Around
 ) -> Iterator[Write]:
     """Yields the writes of a place, and of the heading that comes with it."""
-    sort = body_sort(s.who)
-    yield Write("place", Target("place", sort.name), s.who, value, depends, s, around)
+    entity_type = body_type(s.who)
+    yield Write("place", Target("place", entity_type.name), s.who, value, depends, s, around)
     if isinstance(s, ir.Remove) or s.facing == "same":
         return
-    if sort.what == "mover":  # its heading is a field
-        heading = Target("mover", "heading", sort.names)
+    if entity_type.what == "mover":  # its heading is a field
+        heading = Target("mover", "heading", entity_type.names)
     elif around.turns_agents:
         heading = Target("agent", "heading")
     else:
@@ -321,7 +321,7 @@ def _field_write(s: ir.Set | ir.Add, around: Around) -> Write:
 def _is_of_one_agent(quantifier: Quantifier, known: tuple[Fact, ...]) -> bool:
     """Returns whether all that is known leaves one agent, or one mover, to an `each`."""
     domain = quantifier.domains[0]
-    if not isinstance(quantifier.statement, ir.Each) or domain.var.sort.what == "cell":
+    if not isinstance(quantifier.statement, ir.Each) or domain.var.entity_type.what == "cell":
         return False
     if cell_under_all(domain) is not None:
         return True

@@ -28,10 +28,10 @@ from sjdsl.compiler.elaborate.lookup import (
 )
 from sjdsl.compiler.elaborate.possible import possible_condition
 from sjdsl.compiler.elaborate.scope import ALL_ACTIONS, Scope, wrong_type
+from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.compiler.ir.implications import is_known, narrow_word, narrowed
 from sjdsl.compiler.ir.printer import expression_text as text
-from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.ir.types import describe
 from sjdsl.runtime.actions import BUILT_IN
 
@@ -450,7 +450,7 @@ def _with_names(
         type_ = declared.arguments[i].type
         variable: ir.Expr = ir.Local(type=type_, name=name.text)
         if type_.kind == "agent":
-            variable = ir.Member(name=name.text, sort=AGENTS)
+            variable = ir.Member(name=name.text, entity_type=AGENTS)
         scope = scope.bind_named(name, variable)
     return scope
 

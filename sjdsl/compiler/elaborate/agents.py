@@ -11,7 +11,7 @@ from sjdsl.compiler.elaborate.actions import declare_actions, forbids
 from sjdsl.compiler.elaborate.fields import one_field
 from sjdsl.compiler.elaborate.possible import possible_condition
 from sjdsl.compiler.elaborate.scope import ALL_ACTIONS, Scope, Static
-from sjdsl.compiler.ir.sorts import AGENTS
+from sjdsl.compiler.ir.entity_types import AGENTS
 
 
 def override_number(
@@ -90,7 +90,7 @@ def _blocks(game: Composition, scope: Scope) -> tuple[ir.Block, ...]:
 
 
 def blocked(
-    blocks: ast.Blocks, tests: Mapping[ir.Sort, ir.Expr | None], scope: Scope
+    blocks: ast.Blocks, tests: Mapping[ir.EntityType, ir.Expr | None], scope: Scope
 ) -> list[ir.Block]:
     """Returns what cells of a kind, or agents, block: agents, movers or shapes.
 
@@ -114,7 +114,7 @@ def blocked(
             known = ["agents", *static.movers, *static.shapes]
             scope.problems.unknown(name, known, "what a cell can block")
             continue
-        mover = ir.Sort("mover", (name.text,))
+        mover = ir.EntityType("mover", (name.text,))
         test = tests[mover] if mover in tests else tests.get(AGENTS)
         block_nodes.append(ir.Block(what=name.text, condition=test, origin=blocks.span))
     return block_nodes

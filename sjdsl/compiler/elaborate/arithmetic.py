@@ -273,8 +273,10 @@ def _is_share(left: ir.Expr, right: ir.Expr) -> bool:
     is_whole = whole.where is None and whole.restriction is None and whole.on is None
     if not is_whole or part.on is not None:
         return False
-    sort = part.var.sort
-    return sort.what == whole.var.sort.what and set(sort.names) <= set(whole.var.sort.names)
+    entity_type = part.var.entity_type
+    return entity_type.what == whole.var.entity_type.what and set(entity_type.names) <= set(
+        whole.var.entity_type.names
+    )
 
 
 def compare(e: ast.Binary, scope: Scope) -> ir.Expr:

@@ -39,7 +39,9 @@ def target_of(path: ast.Path, scope: Scope) -> tuple[ir.Expr, ir.VarField]:
             raise scope.fail(errors.TaskWritten(path.span, name=field.name))
         return target, scope.static.fields_of(field.held_by)[field.name]
     match field:
-        case ir.Attribute(name="row" | "col", owner=ir.Member(sort=ir.Sort("mover", (name,)))):
+        case ir.Attribute(
+            name="row" | "col", owner=ir.Member(entity_type=ir.EntityType("mover", (name,)))
+        ):
             help_ = (
                 f"movers change their places by `move each {name} ahead` or another course, "
                 f"and by `send {name} to KIND`"

@@ -11,7 +11,7 @@ from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.elaborate.keys import entries_of, level_of
 from sjdsl.compiler.elaborate.lookup import no_word, not_among, table_words
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
-from sjdsl.compiler.ir.sorts import Level
+from sjdsl.compiler.ir.entity_types import Level
 from sjdsl.compiler.ir.types import INTEGER_UNITS, UNIT_LIMITS, describe
 
 UNITS = (*UNIT_LIMITS, "word")

@@ -21,7 +21,7 @@ from sjdsl.compiler.elaborate.possible import possible_condition
 from sjdsl.compiler.elaborate.scope import Scope, Static
 from sjdsl.compiler.elaborate.tasks import declare_task
 from sjdsl.compiler.elaborate.trials import TRIAL, declare_trial
-from sjdsl.compiler.ir.sorts import AGENTS
+from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.runtime.actions import HEADINGS
 
 Declared = (
@@ -155,7 +155,7 @@ def declare_world(game: Composition, static: Static, problems: Problems) -> None
     for name, shape in game.shapes.items():
         with problems.skip_if_broken(static.broken, Symbol("shape", name)):
             static.shapes[name] = shapes.declared(shape, scope)
-    static.mover_sorts = tuple(game.movers)
+    static.mover_types = tuple(game.movers)
     static.cell_types = {kind: (kind,) for kind in game.kinds}
     for name, group in game.groups.items():
         static.cell_types[name] = tuple(kind.text for kind in group.kinds)
@@ -165,7 +165,7 @@ def declare_world(game: Composition, static: Static, problems: Problems) -> None
                 static.event_levels[name] = level_of(event.by, scope)
     for name, kind in game.kinds.items():
         with problems.skip_if_broken(static.broken, Symbol("name", name)):
-            static.kinds[name] = fields_of(kind.attributes, scope, ir.Sort("cell", (name,)))
+            static.kinds[name] = fields_of(kind.attributes, scope, ir.EntityType("cell", (name,)))
             _glyphs(kind, scope)
     for name, group in game.groups.items():
         with problems.skip_if_broken(static.broken, Symbol("name", name)):
@@ -176,7 +176,7 @@ def declare_world(game: Composition, static: Static, problems: Problems) -> None
             static.groups[name] = static.cell_types[name]
     for name, field in game.fields.items():
         with problems.skip_if_broken(static.broken, Symbol("name", name)):
-            static.fields[name] = one_field(field, scope, ir.Sort("world"))
+            static.fields[name] = one_field(field, scope, ir.EntityType("world"))
     declare_trial(game, scope)
     declare_task(game, scope)
     declare_agents(game, scope)
@@ -262,21 +262,25 @@ def build_kinds(game: Composition, static: Static, problems: Problems) -> tuple[
 
 def _blocks(blocks: ast.Blocks, kind: str, scope: Scope) -> list[ir.Block]:
     """Returns one line of `blocks`, its condition read for agents and each of the movers."""
-    tests: dict[ir.Sort, ir.Expr | None] = {}
+    tests: dict[ir.EntityType, ir.Expr | None] = {}
     for blocked_name in blocks.what:
         is_mover = blocked_name.text in scope.static.movers
-        sort = ir.Sort("mover", (blocked_name.text,)) if is_mover else AGENTS
-        if sort not in tests:
-            tests[sort] = _blocks_when(blocks, kind, sort, scope)
+        entity_type = ir.EntityType("mover", (blocked_name.text,)) if is_mover else AGENTS
+        if entity_type not in tests:
+            tests[entity_type] = _blocks_when(blocks, kind, entity_type, scope)
     return blocked(blocks, tests, scope)
 
 
-def _blocks_when(blocks: ast.Blocks, kind: str, sort: ir.Sort, scope: Scope) -> ir.Expr | None:
+def _blocks_when(
+    blocks: ast.Blocks, kind: str, entity_type: ir.EntityType, scope: Scope
+) -> ir.Expr | None:
     """Returns the condition of `blocks`, about the cell and who moves.
 
     Who moves is an agent, which may be the anchor of a shape, or a mover.
     """
     if blocks.condition is None:
         return None
-    inner = scope.bind_member(kind, ir.Sort("cell", (kind,))).bind_member(sort.name, sort)
+    inner = scope.bind_member(kind, ir.EntityType("cell", (kind,))).bind_member(
+        entity_type.name, entity_type
+    )
     return possible_condition(blocks.condition, inner)

@@ -18,16 +18,16 @@ from sjdsl.compiler.elaborate.lookup import (
 )
 from sjdsl.compiler.elaborate.possible import check_possible
 from sjdsl.compiler.elaborate.scope import Scope, Static, wrong_type
+from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.free_variables import free_variables
 from sjdsl.compiler.ir.implications import compares, narrowed
 from sjdsl.compiler.ir.queries import most_restricted
-from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.ir.types import integer
 
 
 def domain(d: ast.Domain, scope: Scope, warns: bool = True) -> tuple[ir.Domain, Scope]:
     """Returns a domain and the scope inside it. warns: of a condition that never holds."""
-    var = new_member(d, _sort_named(d.kind, scope), scope)
+    var = new_member(d, _entity_type_named(d.kind, scope), scope)
     restriction = None if d.restriction is None else _restriction(d.restriction, var, scope)
     inner = with_member(d, var, scope)
     on = None
@@ -37,8 +37,8 @@ def domain(d: ast.Domain, scope: Scope, warns: bool = True) -> tuple[ir.Domain, 
             raise scope.misused(d.kind, "a kind of cell", "an agent (`agent on KIND`)")
         cell = _cell_around(d.on, inner)
         if cell is None:
-            sort = ir.Sort("cell", kinds_named(d.on.kind, inner))
-            on = new_member(d.on, sort, inner)
+            entity_type = ir.EntityType("cell", kinds_named(d.on.kind, inner))
+            on = new_member(d.on, entity_type, inner)
             inner = with_member(d.on, on, inner)
             inner = inner.knowing([ir.StandsOn(agent=var, kinds=on.kinds)])
         else:
@@ -60,21 +60,21 @@ def domain(d: ast.Domain, scope: Scope, warns: bool = True) -> tuple[ir.Domain, 
     return built, inner
 
 
-def _sort_named(kind: ast.Name, scope: Scope) -> ir.Sort:
+def _entity_type_named(kind: ast.Name, scope: Scope) -> ir.EntityType:
     """Returns what a name of agents, movers, a kind or a group stands for; reports any other."""
     if kind.text == "agent":
         return AGENTS
     if kind.text in scope.static.movers:
         scope.static.use(kind, Symbol("name", kind.text))
-        return ir.Sort("mover", (kind.text,))
-    return ir.Sort("cell", kinds_named(kind, scope))
+        return ir.EntityType("mover", (kind.text,))
+    return ir.EntityType("cell", kinds_named(kind, scope))
 
 
-def new_member(bound: ast.Domain | ast.On, sort: ir.Sort, scope: Scope) -> ir.Member:
+def new_member(bound: ast.Domain | ast.On, entity_type: ir.EntityType, scope: Scope) -> ir.Member:
     """Returns the variable that a domain, or its `on KIND`, binds; reports a name in use."""
     name = bound.bind or bound.kind
     check_free(name, scope, bound.bind is not None)
-    return ir.Member(name=_ir_name(name, scope), sort=sort, origin=bound.kind.span)
+    return ir.Member(name=_ir_name(name, scope), entity_type=entity_type, origin=bound.kind.span)
 
 
 def _cell_around(on: ast.On, scope: Scope) -> ir.Member | None:
@@ -151,8 +151,8 @@ def _restriction(
         case ast.Members():
             members = tuple(_named_member(name, scope) for name in restriction.names)
             for other in members:
-                are_cells = {other.sort.what, var.sort.what} == {"cell"}
-                if other.sort != var.sort and not are_cells:
+                are_cells = {other.entity_type.what, var.entity_type.what} == {"cell"}
+                if other.entity_type != var.entity_type and not are_cells:
                     wanted = "variables of the same sort"
                     raise scope.expected(restriction.span, wanted, "a mixture")
             return ir.Among(members=members, origin=restriction.span)
@@ -192,11 +192,11 @@ def _named_member(name: ast.Name, scope: Scope) -> ir.Member:
 
 def most_members(d: ir.Domain, static: Static) -> int:
     """Returns the most members a domain can have."""
-    match d.var.sort.what:
+    match d.var.entity_type.what:
         case "agent":
             everywhere = static.num_agents
         case "mover":
-            everywhere = static.movers[d.var.sort.name].number
+            everywhere = static.movers[d.var.entity_type.name].number
         case "cell":
             everywhere = sum(static.cells.get(kind, 0) for kind in d.var.kinds)
         case "world":
@@ -218,7 +218,9 @@ def can_be_empty(d: ir.Domain, scope: Scope) -> bool:
         case None if is_member(d.var, "cell"):
             return not any(static.cells.get(kind, 0) for kind in d.var.kinds)
         case None:
-            has_one_around = any(member.sort == d.var.sort for member in scope.members)
+            has_one_around = any(
+                member.entity_type == d.var.entity_type for member in scope.members
+            )
             # in the other parts of a game a variable may stand for one that is away
             is_on_map = scope.part in ("phase", "start", "metrics", "checks", "policy")
             return static.can_be_away and not (has_one_around and is_on_map)

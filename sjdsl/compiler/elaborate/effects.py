@@ -170,7 +170,7 @@ def send(s: ast.Send, scope: Scope, streams: Streams) -> ir.Stmt:
         destination = _domain_of_cell(s.domain.span, cell)
     header = streams.header(s.domain.span)
     if is_member(who, "mover"):  # movers of each name are placed by themselves
-        header = f"{header} of {who.sort.name}"
+        header = f"{header} of {who.entity_type.name}"
     return ir.Send(
         who=who,
         domain=destination,
@@ -214,7 +214,9 @@ def _domain_of_cell(span: Span, cell: ir.Expr) -> ir.Domain:
     """Returns the domain of one cell, with a variable that the cell doesn't read."""
     names_read = {variable.name for variable in free_variables(cell)}
     name = next(n for n in ("cell", "cell_", "cell__") if n not in names_read)
-    var = ir.Member(name=name, sort=ir.Sort("cell", kinds_of_cell(cell) or ()), origin=span)
+    var = ir.Member(
+        name=name, entity_type=ir.EntityType("cell", kinds_of_cell(cell) or ()), origin=span
+    )
     return ir.Domain(var=var, where=ir.Same(left=var, right=cell, origin=span), origin=span)
 
 

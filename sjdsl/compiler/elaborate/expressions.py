@@ -182,7 +182,9 @@ def identity(e: ast.Binary, scope: Scope) -> ir.Expr:
     left_kinds = kinds_of_cell(left)
     right_kinds = kinds_of_cell(right)
     are_like_movers = (
-        is_member(left, "mover") and is_member(right, "mover") and left.sort == right.sort
+        is_member(left, "mover")
+        and is_member(right, "mover")
+        and left.entity_type == right.entity_type
     )
     if kinds == {"word"}:
         _check_common_words(e, left, right, scope)
@@ -206,7 +208,7 @@ def _check_common_words(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Sco
 def _not_identical(e: ast.Binary, left: ir.Expr, right: ir.Expr, scope: Scope) -> Poisoned:
     """Reports the side of `x is y` that can't be compared with the other."""
     if is_member(left, "mover"):
-        return wrong_type(scope, e.right, f"a mover `{left.sort.name}`", right.type)
+        return wrong_type(scope, e.right, f"a mover `{left.entity_type.name}`", right.type)
     left_is_one = (
         left.type.kind in ("word", "agent", "agents", "cell")
         or is_agent(left)

@@ -50,7 +50,7 @@ REAL_FIELD = "a field of real numbers is `field {name} : number in 0 .. 1 = 0.5`
 
 
 def fields_of(
-    attributes: tuple[object, ...], scope: Scope, held_by: ir.Sort
+    attributes: tuple[object, ...], scope: Scope, held_by: ir.EntityType
 ) -> dict[str, ir.VarField]:
     """Returns the fields and timers of a kind of cell, or of movers, by name."""
     fields: dict[str, ir.VarField] = {}
@@ -68,7 +68,7 @@ def fields_of(
     return fields
 
 
-def one_field(declared: ast.Field | ast.Timer, scope: Scope, held_by: ir.Sort) -> ir.VarField:
+def one_field(declared: ast.Field | ast.Timer, scope: Scope, held_by: ir.EntityType) -> ir.VarField:
     """Returns one field with its type and starting value."""
     name = declared.name.text
     span = declared.span
@@ -123,8 +123,8 @@ def field_type(declared: ast.Type, scope: Scope) -> ir.Type:
         case ast.NamedType(name=ast.Name(text="number"), set_of=False):
             help_ = "write `number in 0 .. 10`; a field of reals without limits is a `reward`"
             raise scope.expected(declared.span, "a number with limits", "one without", help_)
-        case ast.NamedType(name=ast.Name(text=sort)) if sort in static.mover_sorts:
-            help_ = f"let the mover hold the agent: write `field holder : agent` in `movers {sort}`"
+        case ast.NamedType(name=ast.Name(text=entity_type)) if entity_type in static.mover_types:
+            help_ = f"let the mover hold the agent: write `field holder : agent` in `movers {entity_type}`"
             raise scope.fail(
                 errors.Unsupported(declared.span, feature="a field that holds a mover", help=help_)
             )

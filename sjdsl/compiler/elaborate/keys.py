@@ -19,8 +19,8 @@ from sjdsl.compiler.elaborate.lookup import (
     not_among,
 )
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
+from sjdsl.compiler.ir.entity_types import Level, level_of_agents, level_of_numbers
 from sjdsl.compiler.ir.implications import narrowed
-from sjdsl.compiler.ir.sorts import Level, level_of_agents, level_of_numbers
 
 ENTRIES = ("agent", "{ a, b }", "0 .. 4")
 OTHERWISE = "otherwise"

@@ -56,24 +56,24 @@ def _look(look: ast.Look, scope: Scope) -> ir.Look:
     """Returns a typed `look`."""
     static = scope.static
     name = look.what.text
-    sort = static.sort_of(name)
-    if sort is None:
+    entity_type = static.entity_type_of(name)
+    if entity_type is None:
         known = ["agent", *static.movers, *static.kinds, *static.groups]
         raise scope.problems.unknown(look.what, known, "the agents and kinds of this game")
     if name != "agent":
         static.refer(look.what, Symbol("name", name))
     test = None
     if look.where is not None:
-        test = possible_condition(look.where, scope.bind_member(name, sort))
+        test = possible_condition(look.where, scope.bind_member(name, entity_type))
         for node in ir.walk(test):
             if ir.is_expression(node) and not _is_readable(node):
                 span = node.origin or look.span
                 raise scope.fail(errors.LookReads(span, reads=f"`{text(node)}`"))
-    assert sort.what != "world"
+    assert entity_type.what != "world"
     return ir.Look(
-        what=sort.what,
+        what=entity_type.what,
         name=name,
-        kinds=sort.names,
+        kinds=entity_type.names,
         condition=test,
         body=None if look.body is None else _paint(look.body, scope),
         badge=None if look.badge is None else _paint(look.badge, scope),

@@ -26,7 +26,7 @@ NOWHERE = "nowhere"  # no cell; where a field has a word `nowhere`, that word
 
 def is_member(e: ir.Expr, what: Literal["agent", "mover", "cell"]) -> TypeGuard[ir.Member]:
     """Returns whether an expression is a variable of a domain of agents, movers or cells."""
-    return isinstance(e, ir.Member) and e.sort.what == what
+    return isinstance(e, ir.Member) and e.entity_type.what == what
 
 
 def is_agent(e: ir.Expr) -> bool:
@@ -385,7 +385,7 @@ def _owners_of_field(name: str, static: Static) -> list[str]:
         owners.append("agent")
     owners += [kind for kind, fields in static.kinds.items() if name in fields]
     for movers in static.movers.values():
-        if name in static.fields_of(movers.sort):
+        if name in static.fields_of(movers.entity_type):
             owners.append(movers.name)
     return owners
 

@@ -17,10 +17,10 @@ from sjdsl.compiler.elaborate.declaration_labels import parameters_read
 from sjdsl.compiler.elaborate.domains import domain, most_members
 from sjdsl.compiler.elaborate.lookup import is_member, use_define
 from sjdsl.compiler.elaborate.scope import Scope, Static, wrong_type
+from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.fold import UnknownValue
 from sjdsl.compiler.ir.printer import domain_text
 from sjdsl.compiler.ir.printer import expression_text as text
-from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.ir.types import describe, integer, is_number
 from sjdsl.compiler.ir.values import TOLERANCE, Evaluation, decided, holds
 

@@ -22,15 +22,15 @@ def declare_movers(game: Composition, scope: Scope) -> None:
     for declared in game.movers.values():
         name = declared.name.text
         with scope.problems.skip_if_broken(scope.static.broken, Symbol("name", name)):
-            sort = ir.Sort("mover", (name,))
+            entity_type = ir.EntityType("mover", (name,))
             heading = ir.VarField(
                 name="heading",
-                held_by=sort,
+                held_by=entity_type,
                 type=words(HEADINGS),
                 start="north",
                 origin=declared.name.span,
             )
-            fields = {"heading": heading} | fields_of(declared.attributes, scope, sort)
+            fields = {"heading": heading} | fields_of(declared.attributes, scope, entity_type)
             _check_mover_glyph(declared, scope)
             quantity = f"the number of movers `{name}`"
             number = scope.whole(declared.number, quantity, quantity, 1, limits.MAX_MOVERS)
@@ -66,7 +66,9 @@ def heading_of(who: ir.Expr, span: Span) -> ir.Expr:
     """Returns the heading of an agent, or of a mover, which has it as a field."""
     type_ = words(HEADINGS)
     if is_member(who, "mover"):
-        return ir.FieldRead(type=type_, owner=who, held_by=who.sort, name="heading", origin=span)
+        return ir.FieldRead(
+            type=type_, owner=who, held_by=who.entity_type, name="heading", origin=span
+        )
     return ir.Attribute(type=type_, owner=who, name="heading", origin=span)
 
 
@@ -82,15 +84,15 @@ def move(s: ast.Move, scope: Scope, streams: Streams) -> ir.Stmt:
     members, inner = domain(s.domain, scope)
     name = s.domain.kind.text
     var = members.var
-    if var.sort.what == "cell":
+    if var.entity_type.what == "cell":
         wanted = "`agent`, or a sort of movers" if scope.static.movers else "`agent`"
         raise scope.misused(s.domain.kind, "a kind of cell", wanted)
-    if var.sort.what == "agent" and s.course is not None:
+    if var.entity_type.what == "agent" and s.course is not None:
         help_ = "agents choose their direction: write `move each agent`"
         raise scope.expected(s.course.span, "nothing after the agents", "a course", help_)
     header = streams.header(s.span)
     course = None
-    if var.sort.what == "mover":
+    if var.entity_type.what == "mover":
         if s.course is None:
             help_ = (
                 f"write `move each {name} ahead`, "

@@ -19,8 +19,8 @@ from sjdsl.compiler.elaborate.observed_paths import (
 )
 from sjdsl.compiler.elaborate.possible import check_possible, possible_condition
 from sjdsl.compiler.elaborate.scope import Scope, Static
+from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.implications import is_known
-from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.ir.types import element, words
 from sjdsl.runtime.actions import HEADINGS
 
@@ -117,7 +117,9 @@ def _read(field: ir.Observable, parts: Sequence[ir.Node]) -> bool:
     """Returns whether some parts of the rules name a field of cells."""
     nodes = chain.from_iterable(map(ir.walk, parts))
     reads = (node for node in nodes if isinstance(node, ir.FieldRead))
-    return any(read.name == field.field and read.held_by.overlaps(field.sort) for read in reads)
+    return any(
+        read.name == field.field and read.held_by.overlaps(field.entity_type) for read in reads
+    )
 
 
 def _check_labels_of_whole(
@@ -173,7 +175,7 @@ def _check_places(what: str, test: ir.Expr, scope: Scope) -> None:
         first = test.args[0]
         if not any(map(_is_place, ir.walk(first))):
             scope = scope.knowing([first])
-    everyone = ir.Member(name="everyone", sort=AGENTS)
+    everyone = ir.Member(name="everyone", entity_type=AGENTS)
     away = ir.Attribute(type=ir.CONDITION, owner=everyone, name="away")
     if not is_known(ir.Not(value=away), scope.facts):
         example = "`as { gone where everyone.away, near where distance(agent, everyone) < 3, far }`"
@@ -260,11 +262,11 @@ def _agent_labels(key: Key, field: ir.VarField) -> tuple[ir.Label, ...]:
     names = {seen: owner for owner, seen in OWNERS.items()}
     owner = None
     if what != "world":
-        owner = ir.Member(name=kind or names.get(what, ""), sort=field.held_by)
+        owner = ir.Member(name=kind or names.get(what, ""), entity_type=field.held_by)
     held = ir.FieldRead(type=field.type, owner=owner, held_by=field.held_by, name=name)
     tests = (
         ir.Same(left=held, right=ir.Nobody()),
-        ir.Same(left=held, right=ir.Member(name="agent", sort=AGENTS)),
+        ir.Same(left=held, right=ir.Member(name="agent", entity_type=AGENTS)),
         None,
     )
     return tuple(
@@ -414,7 +416,7 @@ def _hidden(hide: ast.Hide, scope: Scope) -> ir.Hidden:
     static.refer(on, Symbol("name", on.text))
     test = None
     if hide.condition is not None:
-        observer = scope.with_agent("observe").bind_member(on.text, ir.Sort("cell", kinds))
+        observer = scope.with_agent("observe").bind_member(on.text, ir.EntityType("cell", kinds))
         test = possible_condition(hide.condition, observer)
     return ir.Hidden(
         what="marks", on="cells", name=on.text, kinds=kinds, when=test, origin=hide.span

@@ -13,9 +13,9 @@ from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, no_field
 from sjdsl.compiler.elaborate.paths import attribute_types
 from sjdsl.compiler.elaborate.scope import Scope, Static, wrong_type
+from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.implications import narrowed
 from sjdsl.compiler.ir.operations import FUNCTIONS
-from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.ir.types import words
 
 What = Literal["cell", "own", "other", "mover", "everyone", "world", "heading"]
@@ -48,10 +48,10 @@ def observer_scope(what: str, kind: str, name: str, scope: Scope) -> Scope:
     observer = scope.with_agent("observe").but(facts=scope.static.observed_facts)
     match what:
         case "cell":
-            cell = ir.Member(name=kind, sort=ir.Sort("cell", (kind,)))
+            cell = ir.Member(name=kind, entity_type=ir.EntityType("cell", (kind,)))
             return observer.bind(kind, cell).bind(name, cell)
         case "mover":
-            return observer.bind_member(kind, ir.Sort("mover", (kind,)))
+            return observer.bind_member(kind, ir.EntityType("mover", (kind,)))
         case "heading":
             return observer.bind_member("other", AGENTS)
         case "other" | "everyone":
@@ -149,7 +149,7 @@ def _computed(what: Literal["own", "world"], tree: ast.Expr, name: ast.Name, sco
     else:
         low, high = narrowed(value, observer.facts)
         type_ = value.type.changed(low=low, high=high)
-    held_by = AGENTS if what == "own" else ir.Sort("world")
+    held_by = AGENTS if what == "own" else ir.EntityType("world")
     field = ir.VarField(name=name.text, held_by=held_by, type=type_)
     return Seen((what, "", name.text), field, value)
 
@@ -159,7 +159,7 @@ def _of_owner(owner: ast.Name, name: ast.Name, scope: Scope) -> list[Seen]:
     static = scope.static
     head = owner.text
     if head in static.movers and Symbol("field", name.text, head) not in static.broken:
-        fields = static.fields_of(ir.Sort("mover", (head,)))
+        fields = static.fields_of(ir.EntityType("mover", (head,)))
         if name.text not in fields:
             raise no_field(name, f"a mover `{head}`", fields, scope.problems)
         static.refer(owner, Symbol("name", head))

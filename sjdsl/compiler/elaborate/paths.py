@@ -27,9 +27,9 @@ from sjdsl.compiler.elaborate.lookup import (
     variable,
 )
 from sjdsl.compiler.elaborate.scope import Scope, Static, wrong_type
+from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.operations import Function
 from sjdsl.compiler.ir.printer import expression_text as text
-from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.ir.types import describe, element, integer, words
 from sjdsl.runtime.actions import HEADINGS
 
@@ -76,7 +76,7 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
     if name in static.fields:
         static.use(e.name, Symbol("name", name))
         type_ = static.fields[name].type
-        world = ir.Sort("world")
+        world = ir.EntityType("world")
         return ir.FieldRead(type=type_, owner=None, held_by=world, name=name, origin=e.span)
     if scope.events_readable and name in static.events:
         static.refer(e.name, Symbol("metric", name))
@@ -100,7 +100,7 @@ def member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     types = attribute_types(static)
     known: tuple[str, ...]
     if is_member(owner, "mover"):  # its heading is a field
-        held_by = owner.sort
+        held_by = owner.entity_type
         described = f"a mover `{held_by.name}`"
         known = MOVER_ATTRIBUTES
         types["index"] = integer(0, static.movers[held_by.name].number - 1, "number")
@@ -203,7 +203,7 @@ def placed(tree: ast.Expr, place: ir.Expr, question: str, scope: Scope) -> ir.Ex
         if place.type.kind == "agent":
             raise _perhaps_away(place, tree.span, "distance", "distance(x, …)", scope)
         raise wrong_type(scope, tree, "an agent or a cell", place.type)
-    if place.sort.what != "cell":
+    if place.entity_type.what != "cell":
         check_placed(place, tree.span, question, scope)
     return place
 
@@ -235,7 +235,7 @@ def cell_member(owner: ir.Expr, name: ast.Name, scope: Scope) -> ir.Expr:
     return ir.FieldRead(
         type=first.type,
         owner=owner,
-        held_by=ir.Sort("cell", kinds),
+        held_by=ir.EntityType("cell", kinds),
         name=name.text,
         origin=name.span,
     )

@@ -98,7 +98,7 @@ def _guarded(
     if guard.on is not None:
         agent = scope.variables["agent"]
         assert isinstance(agent, ir.Member)
-        on = new_member(guard.on, ir.Sort("cell", kinds_named(guard.on.kind, scope)), scope)
+        on = new_member(guard.on, ir.EntityType("cell", kinds_named(guard.on.kind, scope)), scope)
         scope = with_member(guard.on, on, scope)
         test = ir.StandsOn(agent=agent, kinds=on.kinds, origin=guard.on.span)
         scope = scope.knowing([test])

@@ -14,9 +14,9 @@ from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.diagnostics.tree import walk
+from sjdsl.compiler.ir.entity_types import AGENTS, Level
 from sjdsl.compiler.ir.implications import Fact, computed_range, facts, narrow_word
 from sjdsl.compiler.ir.range_arithmetic import Range
-from sjdsl.compiler.ir.sorts import AGENTS, Level
 from sjdsl.compiler.ir.types import describe, is_number
 
 Part = Literal[
@@ -55,7 +55,7 @@ class Static:
     fields: dict[str, ir.VarField] = field(default_factory=dict)
     agent_fields: dict[str, ir.VarField] = field(default_factory=dict)
     movers: dict[str, ir.Movers] = field(default_factory=dict)
-    mover_sorts: tuple[str, ...] = ()
+    mover_types: tuple[str, ...] = ()
     actions: tuple[str, ...] = ()
     action_names: list[str] = field(default_factory=list)
     with_arguments: dict[str, ir.ActionWithArguments] = field(default_factory=dict)
@@ -125,16 +125,16 @@ class Static:
         """Returns the kinds that the name of a kind or group stands for, None for other names."""
         return (name,) if name in self.kinds else self.groups.get(name)
 
-    def sort_of(self, name: str) -> ir.Sort | None:
+    def entity_type_of(self, name: str) -> ir.EntityType | None:
         """Returns what a name of agents, movers, a kind or a group stands for, None for others."""
         if name == "agent":
             return AGENTS
         if name in self.movers:
-            return ir.Sort("mover", (name,))
+            return ir.EntityType("mover", (name,))
         kinds = self.kinds_of(name)
-        return None if kinds is None else ir.Sort("cell", kinds)
+        return None if kinds is None else ir.EntityType("cell", kinds)
 
-    def fields_of(self, owner: ir.Sort) -> dict[str, ir.VarField]:
+    def fields_of(self, owner: ir.EntityType) -> dict[str, ir.VarField]:
         """Returns the fields of agents, movers, cells of the first of some kinds, or the world."""
         match owner.what:
             case "agent":
@@ -301,9 +301,9 @@ class Scope(Record):
         locals_ = {n: symbol for n, symbol in self.locals.items() if n != name}
         return self.but(variables={**self.variables, name: value}, locals=locals_)
 
-    def bind_member(self, name: str, sort: ir.Sort) -> "Scope":
+    def bind_member(self, name: str, entity_type: ir.EntityType) -> "Scope":
         """Returns this scope with one more variable of a domain, which has the name of its kind."""
-        return self.bind(name, ir.Member(name=name, sort=sort))
+        return self.bind(name, ir.Member(name=name, entity_type=entity_type))
 
     def bind_named(self, name: ast.Name, value: "ir.Expr | str | None") -> "Scope":
         """Returns this scope with one more variable, which the text names here."""
@@ -369,6 +369,6 @@ def wrong_type(
             described = {
                 "agent": "an agent",
                 "cell": "a cell",
-                "mover": f"a mover `{bound.sort.name}`",
-            }[bound.sort.what]
+                "mover": f"a mover `{bound.entity_type.name}`",
+            }[bound.entity_type.what]
     return scope.expected(e.span, wanted, described, help)

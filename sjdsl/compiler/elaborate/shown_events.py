@@ -9,12 +9,12 @@ from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.effects import declared_event
 from sjdsl.compiler.elaborate.observations import planes_of_rows
 from sjdsl.compiler.elaborate.scope import Scope
+from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.queries import ATTRIBUTES
-from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.ir.types import integer
 
 LARGEST = 255  # that a plane can show
-WORLD = ir.Sort("world")
+WORLD = ir.EntityType("world")
 
 
 def with_shown_events(composed: Composition, game: ir.Game, scope: Scope) -> ir.Game:

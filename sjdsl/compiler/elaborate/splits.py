@@ -19,7 +19,7 @@ from sjdsl.compiler.ir.task_rows import (
     tasks_with,
 )
 
-WORLD = ir.Sort("world")
+WORLD = ir.EntityType("world")
 # All candidates are training tasks with a probability of 2^-64 at most. Half of the tasks or more
 # are no training tasks of `train on`, so there are 64 candidates at most.
 BITS = 64

@@ -353,7 +353,7 @@ def _domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain | None, Scope]:
         return domain(d, scope)
     except Poisoned:
         kinds = [d.kind] if d.on is None else [d.kind, d.on.kind]
-        if any(scope.static.sort_of(kind.text) is None for kind in kinds):
+        if any(scope.static.entity_type_of(kind.text) is None for kind in kinds):
             raise  # a misspelt kind would make every use of its variable one more mistake
         if d.where is not None:
             scope = scope.after_unreadable_guard()

@@ -15,7 +15,7 @@ from sjdsl.compiler.elaborate.splits import check_no_splits, with_splits
 from sjdsl.compiler.elaborate.statements import check_deal, check_number_of_values
 from sjdsl.compiler.elaborate.streams import Streams
 
-WORLD = ir.Sort("world")
+WORLD = ir.EntityType("world")
 
 
 def declare_task(game: Composition, scope: Scope) -> None:

@@ -10,8 +10,8 @@ from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.problems import Poisoned
 from sjdsl.compiler.elaborate.lookup import AGENT_ATTRIBUTES, CELL_ATTRIBUTES, no_field
 from sjdsl.compiler.elaborate.scope import Scope
+from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.queries import contains
-from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.ir.types import integer
 
 TRIAL = "trial"  # a field of the world that counts the trials
@@ -30,7 +30,7 @@ def declare_trial(game: Composition, scope: Scope) -> None:
             static.sized.add(field_symbol(TRIAL, "world"))
         static.fields[TRIAL] = ir.VarField(
             name=TRIAL,
-            held_by=ir.Sort("world"),
+            held_by=ir.EntityType("world"),
             type=integer(0, number - 1, "count"),
             start=0,
             origin=game.episode.length.span,
@@ -77,7 +77,7 @@ def _kept(path: ast.Path, scope: Scope) -> list[ir.Kept]:
             raise scope.fail(errors.KeptAnyway(path.span, name=head))
         case () if head in static.fields and head != TRIAL:
             static.use(path.name, Symbol("name", head))
-            return [ir.Kept(held_by=ir.Sort("world"), name=head, origin=path.span)]
+            return [ir.Kept(held_by=ir.EntityType("world"), name=head, origin=path.span)]
         case (ast.Member(name=name),):
             return _kept_of(path, name, scope)
         case () if head not in static.names():
@@ -94,9 +94,9 @@ def _kept_of(path: ast.Path, name: ast.Name, scope: Scope) -> list[ir.Kept]:
     if head == "agent":
         owners = [AGENTS]
     elif head in static.movers:
-        owners = [ir.Sort("mover", (head,))]
+        owners = [ir.EntityType("mover", (head,))]
     elif kinds is not None:
-        owners = [ir.Sort("cell", (kind,)) for kind in kinds]
+        owners = [ir.EntityType("cell", (kind,)) for kind in kinds]
     else:
         known = ["agent", *static.kinds, *static.groups, *static.movers]
         raise scope.problems.unknown(path.name, known, "what has fields")

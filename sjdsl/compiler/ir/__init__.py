@@ -9,10 +9,10 @@ frozen and compare by content; `origin` is the only part that two equal programs
 
 from sjdsl.compiler.diagnostics.tree import children as children
 from sjdsl.compiler.diagnostics.tree import walk as walk
+from sjdsl.compiler.ir.entity_types import EntityType as EntityType
+from sjdsl.compiler.ir.entity_types import Entry as Entry
+from sjdsl.compiler.ir.entity_types import Level as Level
 from sjdsl.compiler.ir.expressions import *
 from sjdsl.compiler.ir.game import *
 from sjdsl.compiler.ir.node import *
-from sjdsl.compiler.ir.sorts import Entry as Entry
-from sjdsl.compiler.ir.sorts import Level as Level
-from sjdsl.compiler.ir.sorts import Sort as Sort
 from sjdsl.compiler.ir.statements import *

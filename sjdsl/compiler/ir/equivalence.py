@@ -107,7 +107,7 @@ def _form_of_domain(d: Domain, names: Names) -> tuple[Form, Names]:
         inner[d.on.name] = len(names) + 1
     restriction = None if d.restriction is None else form(d.restriction, names)
     where = None if d.where is None else form(d.where, inner)
-    return (d.var.sort, None if d.on is None else d.on.kinds, restriction, where), inner
+    return (d.var.entity_type, None if d.on is None else d.on.kinds, restriction, where), inner
 
 
 @cache

@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias, TypeGuard
 
+from sjdsl.compiler.ir.entity_types import EntityType
 from sjdsl.compiler.ir.node import (
     AGENT,
     CELL,
@@ -12,7 +13,6 @@ from sjdsl.compiler.ir.node import (
     RestrictionNode,
     Type,
 )
-from sjdsl.compiler.ir.sorts import Sort
 
 # Pydantic checks that a child is *some* expression. With the closed union each schema would hold
 # all others: half a second at import.
@@ -76,13 +76,13 @@ class Member(Expression):
 
     type: Type = Type(kind="member")
     name: str
-    sort: Annotated[Sort, INSTANCE]
+    entity_type: Annotated[EntityType, INSTANCE]
 
     @property
     def kinds(self) -> tuple[str, ...]:
         """The kinds that the cell may be of."""
-        assert self.sort.what == "cell", self
-        return self.sort.names
+        assert self.entity_type.what == "cell", self
+        return self.entity_type.names
 
 
 class Local(Expression):
@@ -102,7 +102,7 @@ class FieldRead(Expression):
 
     type: Type
     owner: Expr | None
-    held_by: Annotated[Sort, INSTANCE]
+    held_by: Annotated[EntityType, INSTANCE]
     name: str
 
 

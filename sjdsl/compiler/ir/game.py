@@ -3,9 +3,9 @@
 from math import prod
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
+from sjdsl.compiler.ir.entity_types import AGENTS, EntityType, Entry, Level
 from sjdsl.compiler.ir.expressions import Domain, Expr, Given, Member, Shape
 from sjdsl.compiler.ir.node import INSTANCE, Node, PolicyRuleNode, TurnNode, Type
-from sjdsl.compiler.ir.sorts import AGENTS, Entry, Level, Sort
 from sjdsl.compiler.ir.statements import Stmt
 
 if TYPE_CHECKING:  # as `Expr` in expressions.py
@@ -40,7 +40,7 @@ class VarField(Node):
     """
 
     name: str
-    held_by: Annotated[Sort, INSTANCE]
+    held_by: Annotated[EntityType, INSTANCE]
     type: Type
     capped: bool = False
     timer: bool = False
@@ -144,8 +144,8 @@ class Movers(Node):
     fields: tuple[VarField, ...] = ()
 
     @property
-    def sort(self) -> Sort:
-        return Sort("mover", (self.name,))
+    def entity_type(self) -> EntityType:
+        return EntityType("mover", (self.name,))
 
 
 class Phase(TurnNode):
@@ -218,13 +218,13 @@ class Observable(Node):
     shown_when: Expr | None = None
 
     @property
-    def sort(self) -> Sort:
+    def entity_type(self) -> EntityType:
         """The sort of what is seen."""
         match self.what:
             case "cell" | "mover":
-                return Sort(self.what, (self.kind,))
+                return EntityType(self.what, (self.kind,))
             case "world":
-                return Sort("world")
+                return EntityType("world")
             case _:
                 return AGENTS
 
@@ -232,7 +232,7 @@ class Observable(Node):
     def owner(self) -> Member | None:
         """What is seen, by the name that its conditions give it; None for the world."""
         name = "agent" if self.what == "own" else self.kind or self.what
-        return None if self.what == "world" else Member(name=name, sort=self.sort)
+        return None if self.what == "world" else Member(name=name, entity_type=self.entity_type)
 
 
 class Paint(Node):
@@ -398,7 +398,7 @@ class Scenario(Node):
 class Kept(Node):
     """A field of each cell of a kind, each agent, each mover of a name, or of the world."""
 
-    held_by: Annotated[Sort, INSTANCE]
+    held_by: Annotated[EntityType, INSTANCE]
     name: str
 
 

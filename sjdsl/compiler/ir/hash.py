@@ -30,7 +30,7 @@ HASHED: dict[type[ir.Node | ir.Type], str] = {
     ir.Nobody: "nobody",
     ir.Nowhere: "nowhere",
     ir.ParamRef: "param name",
-    ir.Member: "member name who=sort.what kinds=sort.names",
+    ir.Member: "member name who=entity_type.what kinds=entity_type.names",
     ir.Local: "local name",
     ir.FieldRead: "read name owner",
     ir.Attribute: "attribute name owner",

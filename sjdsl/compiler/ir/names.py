@@ -11,8 +11,8 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import all_fields, marking_phases
 
 _KERNELS = {
-    "bits": "as_bits from_bits has_member pack unpack",
-    "counting": "count_near occupied segment_sum size_of_large_set size_of_set times_in",
+    "bits": "as_bits from_bits has_member pack size_of_large_set size_of_set unpack",
+    "counting": "count_near occupied segment_sum times_in",
     "neighbourhood": "entries_at looked_up over_neighbours",
     "random_bits": "below dealt_values next_threshold ranks random_bits random_bits_at threshold unit",
     "fields": "StateField",
@@ -20,15 +20,15 @@ _KERNELS = {
     "numbers_among own_cell own_cells view_cells view_offsets view_steps view_steps_around painted "
     "reading_order shape_offsets site_numbers values_of",
     "movement": "resolve",
-    "placing": "best_ranks choose choose_by_chance come_back drawn_by_lot member_of outranking "
-    "pair pair_reached pick pick_of_large_set pick_of_set pick_of_sets place place_fitting",
+    "placing": "best_ranks choose come_back drawn_by_lot member_of outranking "
+    "pair pair_reached pick pick_of_large_set pick_of_set pick_of_sets place",
     "planes": "TokenPlane",
     "reductions": "all_of any_of argmax_of count_of max_of min_of sum_of",
     "rows": "entry highest lowest mix one_hot ramp shifted",
     "exact_reals": "divided exact_mix exact_ramp exact_sum exactly fixed_point rounded "
     "sum_in_order",
     "elementary": "exact_root exponential logarithm powered root",
-    "steering": "gains gains_around is_one_of",
+    "steering": "gains is_one_of",
     "line_of_sight": "nearest_in_lanes reached",
     "torus": "cells_on joined_edges shorter_way",
     "egocentric_windows": "fill look_fields look_number paint planes_of windows",
@@ -96,12 +96,12 @@ def attribute_name(field: ir.VarField) -> str:
     return identifier(f"{field.held_by.name}_{field.name}")
 
 
-def attribute_of(name: str, sort: ir.Sort) -> str:
+def attribute_of(name: str, entity_type: ir.EntityType) -> str:
     """Returns the attribute of State for a fact about all agents, or all movers of a type.
 
     `position`, or `deer_position`.
     """
-    return identifier(f"{sort.name}_{name}") if sort.what == "mover" else name
+    return identifier(f"{entity_type.name}_{name}") if entity_type.what == "mover" else name
 
 
 def state_names(game: ir.Game) -> list[tuple[str, ir.Node]]:
@@ -109,5 +109,7 @@ def state_names(game: ir.Game) -> list[tuple[str, ir.Node]]:
     fields: list[tuple[str, ir.Node]] = [
         (attribute_name(field), field) for field in all_fields(game)
     ]
-    fields += [(attribute_of(name, movers.sort), movers) for movers in game.movers for name in POSE]
+    fields += [
+        (attribute_of(name, movers.entity_type), movers) for movers in game.movers for name in POSE
+    ]
     return fields + [(f"mark_{phase.name}", phase) for phase in marking_phases(game)]

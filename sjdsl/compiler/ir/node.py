@@ -7,7 +7,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.diagnostics.tree import TreeNode
-from sjdsl.compiler.ir.sorts import Level
+from sjdsl.compiler.ir.entity_types import Level
 
 Unit = Literal["count", "steps", "cells", "reward", "probability", "fraction", "number"]
 

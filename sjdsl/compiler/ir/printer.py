@@ -128,7 +128,7 @@ def _arm_text(arm: ir.Arm) -> str:
 
 def domain_text(d: ir.Domain) -> str:
     """Returns a domain in the syntax of the language; a group shows as its kinds."""
-    parts = [d.var.sort.name, f"as {d.var.name}"]
+    parts = [d.var.entity_type.name, f"as {d.var.name}"]
     if d.on is not None:
         parts.append(f"on {' | '.join(d.on.kinds)} as {d.on.name}")
     match d.restriction:
@@ -177,7 +177,7 @@ def _node_lines(value: object, label: str, depth: int, positions: bool) -> Itera
             yield f"{pad}{label}: {value.name!r}"
         case ir.Level():
             yield f"{pad}{label}: {value.names!r}"
-        case ir.Sort():
+        case ir.EntityType():
             yield f"{pad}{label}: {value.what!r}"
             yield from (f"{pad}kind: {name!r}" for name in value.names)
         case tuple() if any(isinstance(v, ir.Node) for v in value):

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from types import UnionType
 
 from sjdsl.compiler.diagnostics.tree import walk
+from sjdsl.compiler.ir.entity_types import AGENTS, EntityType
 from sjdsl.compiler.ir.expressions import (
     Among,
     At,
@@ -39,7 +40,6 @@ from sjdsl.compiler.ir.game import (
     VarField,
 )
 from sjdsl.compiler.ir.node import Node
-from sjdsl.compiler.ir.sorts import AGENTS, Sort
 from sjdsl.compiler.ir.statements import Remove, Send, Set
 from sjdsl.compiler.ir.task_rows import all_parts, number_of_ways
 
@@ -71,7 +71,11 @@ def is_number_of_cells(e: Node) -> bool:
     if not isinstance(e, Count):
         return False
     domain = e.domain
-    return domain.var.sort.what == "cell" and domain.restriction is None and domain.where is None
+    return (
+        domain.var.entity_type.what == "cell"
+        and domain.restriction is None
+        and domain.where is None
+    )
 
 
 def title_of(game: Game) -> str:
@@ -89,7 +93,7 @@ def all_fields(game: Game) -> tuple[VarField, ...]:
     return (
         *of_cells,
         *game.agents.fields,
-        *(field for sort in game.movers for field in sort.fields),
+        *(field for movers in game.movers for field in movers.fields),
         *game.fields,
     )
 
@@ -100,7 +104,7 @@ def declared_field(game: Game, read: FieldRead, kind: str | None = None) -> VarF
     `kind`: which of the kinds it may be of, instead of the first.
     """
     names = read.held_by.names[:1] if kind is None else (kind,)
-    owner = Sort(read.held_by.what, names)
+    owner = EntityType(read.held_by.what, names)
     return next(f for f in all_fields(game) if (f.held_by, f.name) == (owner, read.name))
 
 
@@ -150,7 +154,9 @@ def shows_attribute(observable: Observable) -> bool:
 def shown_field(game: Game, observable: Observable) -> VarField:
     """Returns the declaration of the variable that an observation shows."""
     return next(
-        f for f in all_fields(game) if (f.held_by, f.name) == (observable.sort, observable.field)
+        f
+        for f in all_fields(game)
+        if (f.held_by, f.name) == (observable.entity_type, observable.field)
     )
 
 
@@ -249,29 +255,29 @@ def closes_paths(block: Block) -> bool:
 
 def movers_named(game: Game, name: str) -> Movers:
     """Returns the declaration of a sort of movers."""
-    return next(sort for sort in game.movers if sort.name == name)
+    return next(movers for movers in game.movers if movers.name == name)
 
 
-def body_sort(who: Expr) -> Sort:
-    """Returns the sort of what a variable stands for; what another expression gives is an agent."""
-    return who.sort if isinstance(who, Member) else AGENTS
+def body_type(who: Expr) -> EntityType:
+    """Returns the entity type of a variable; what another expression gives is an agent."""
+    return who.entity_type if isinstance(who, Member) else AGENTS
 
 
-def can_be_away(game: Game, sort: Sort = AGENTS) -> bool:
+def can_be_away(game: Game, entity_type: EntityType = AGENTS) -> bool:
     """Returns whether an agent, or a mover of a sort, can be off the map.
 
     Sent away for some ticks, or removed.
     """
     for node in walk(game):
         if isinstance(node, Remove) or (isinstance(node, Send) and node.after is not None):
-            if body_sort(node.who) == sort:
+            if body_type(node.who) == entity_type:
                 return True
     return False
 
 
-def body_sorts(game: Game) -> tuple[Sort, ...]:
-    """Returns the sorts of all who stand on cells: the agents, then each sort of movers."""
-    return (AGENTS, *(movers.sort for movers in game.movers))
+def body_types(game: Game) -> tuple[EntityType, ...]:
+    """Returns the types of all who stand on cells: the agents, then those of movers."""
+    return (AGENTS, *(movers.entity_type for movers in game.movers))
 
 
 def view_size(game: Game) -> tuple[int, int]:
@@ -282,11 +288,11 @@ def view_size(game: Game) -> tuple[int, int]:
 
 def most_members(domain: Domain, game: Game) -> int:
     """Returns the most members that a domain can have, its condition aside."""
-    match domain.var.sort.what:
+    match domain.var.entity_type.what:
         case "agent":
             population = game.agents.number
         case "mover":
-            population = movers_named(game, domain.var.sort.name).number
+            population = movers_named(game, domain.var.entity_type.name).number
         case "cell":
             population = num_cells(game, domain.var.kinds)
         case "world":

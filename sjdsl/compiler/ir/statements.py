@@ -2,9 +2,9 @@
 
 from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
+from sjdsl.compiler.ir.entity_types import Level
 from sjdsl.compiler.ir.expressions import Domain, Expr, Member
 from sjdsl.compiler.ir.node import INSTANCE, CourseNode, Node, Statement, Type
-from sjdsl.compiler.ir.sorts import Level
 
 if TYPE_CHECKING:  # as `Expr` in expressions.py
     Stmt: TypeAlias = (

@@ -21,7 +21,7 @@ TOLERANCE = 1e-6  # parameters are float32: `a + b == 1` must survive rounding
 class Evaluation(Analysis[Any]):
     """Folds expressions to values.
 
-    Words to texts, agents to numbers, nobody to None, rows to tuples.
+    Words to texts, agents to numbers, nobody and nowhere to None, rows to tuples, sets to sets.
 
     read: returns the value of a parameter or a field. Raises UnknownValue.
     computes_reals: if not, what is computed of reals isn't known: play may round it otherwise.

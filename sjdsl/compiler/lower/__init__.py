@@ -14,16 +14,16 @@ from typing import get_args
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.diagnostics.tree import walk
+from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.ir.names import attribute_name, param_attribute
 from sjdsl.compiler.ir.queries import (
     all_fields,
     beginning_phases,
-    body_sorts,
+    body_types,
     marking_phases,
     view_size,
 )
-from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.lower import expressions, state_reads
 from sjdsl.compiler.lower.allowed_actions import NUM_ACTIONS, READING, allowed_actions
 from sjdsl.compiler.lower.assignments import fields_of_several_lots
@@ -382,13 +382,15 @@ def _tick(pools: Pools, module: Module) -> Function:
             w.assign(attribute, call("jnp.maximum", before, 1) - 1)
     w.origin = None
     doc = "All timers fall by one."
-    away = [sort for sort in body_sorts(module.game) if module.stores_away(sort)]
+    away = [
+        entity_type for entity_type in body_types(module.game) if module.stores_away(entity_type)
+    ]
     if away:
         if w.changed:
             w.set(STATE, replaced("state", w.changed))
             w.changed.clear()
         bring_back(pools, away, w)
-        plurals = " and ".join(sort.plural for sort in away)
+        plurals = " and ".join(entity_type.plural for entity_type in away)
         doc = f"All timers fall by one; {plurals} whose time away is over return."
     w.give_back(replaced("state", w.changed), OUT)
     return Function("tick", PHASE, "tuple[State, Outcome]", doc, live(w.body))

@@ -45,14 +45,14 @@ def is_over_neighbours(e: ir.Count | ir.Sum | ir.Extreme, scope: IterationScope,
     Its domain is the cells of a small shape around each cell, and it reads plain fields of them.
     """
     d = e.domain
-    if not isinstance(d.restriction, ir.Near) or d.var.sort.what != "cell":
+    if not isinstance(d.restriction, ir.Near) or d.var.entity_type.what != "cell":
         return False
     if len(d.var.kinds) != 1 or w.parameters or e.type.kind != "int":
         return False
     anchor = scope.variables[d.restriction.anchor.name]
     if not isinstance(anchor, CellVar) or anchor.painted is not None:
         return False
-    if len(scope.axes) != 1 or anchor.site.axes != scope.axes:
+    if len(scope.axes) != 1 or anchor.number.axes != scope.axes:
         return False
     if anchor.axis is None and scope.axes[0].size < state_reads.MANY:
         return False
@@ -103,7 +103,7 @@ def over_neighbours(
     w.names.taken.difference_update({number.identifier, *names})  # they mean nothing outside
     w.parameters.clear()
     arguments = [fold, table, body, *(stored for stored, _ in fields)]
-    around = {} if anchor.axis is not None else {"around": anchor.site.node}
+    around = {} if anchor.axis is not None else {"around": anchor.number.node}
     return Value(call("over_neighbours", *arguments, **around), "i32", scope.axes)
 
 
@@ -150,7 +150,7 @@ def _count_name(d: ir.Domain) -> str:
 
 def _whole_number(d: ir.Domain, w: Writer) -> Value | None:
     """`count(water)`: a number that the map decides."""
-    if d.restriction or d.on or d.where or d.var.sort.what != "cell":
+    if d.restriction or d.on or d.where or d.var.entity_type.what != "cell":
         return None
     return Value(w.module.num_cells(d.var.kinds), "i32")
 
@@ -222,7 +222,7 @@ def _size(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
 def _near(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
     """Returns `count(K as other in disc(r) of k where …)`, if `where` is about `other` alone."""
     d = e.domain
-    if not isinstance(d.restriction, ir.Near) or d.var.sort.what != "cell":
+    if not isinstance(d.restriction, ir.Near) or d.var.entity_type.what != "cell":
         return None
     anchor = scope.variables[d.restriction.anchor.name]
     if not isinstance(anchor, CellVar) or anchor.axis is None or anchor.painted is not None:

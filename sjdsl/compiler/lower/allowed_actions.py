@@ -2,9 +2,9 @@
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.queries import action_named
-from sjdsl.compiler.lower.axes import Axis, Value, aligned, iota
+from sjdsl.compiler.lower.axes import Axis, Value, aligned
 from sjdsl.compiler.lower.chosen import argument_value
-from sjdsl.compiler.lower.scope import AgentVar, IterationScope
+from sjdsl.compiler.lower.scope import AgentVar, IterationScope, scope_of_agents
 from sjdsl.compiler.lower.writer import Module, Writer
 from sjdsl.compiler.program import Function
 from sjdsl.compiler.program.expressions import Expression, Name, call, live
@@ -42,9 +42,8 @@ def _scope(forbid: ir.Forbid, axes: tuple[Axis, Axis], w: Writer) -> IterationSc
 
     The arguments are those of each action along the axis of the actions.
     """
-    agent_axis, action_axis = axes
-    agent = AgentVar(iota(agent_axis), agent_axis)
-    scope = IterationScope(axes=axes, variables={"agent": agent})
+    _, action_axis = axes
+    scope = scope_of_agents(axes)
     if not forbid.names:
         return scope
     action = action_named(w.module.game, forbid.action)

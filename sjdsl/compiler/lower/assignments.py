@@ -19,10 +19,10 @@ from sjdsl.compiler.lower.axes import (
     as_dtype,
     axes_of,
     broadcast,
-    indexed,
     iota,
     joined,
     literal,
+    one_hot,
     reduce,
     select,
     spread,
@@ -38,8 +38,6 @@ from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
     ALL,
     DTYPES,
-    NEW_AXIS,
-    REST,
     Attribute,
     Broadcast,
     Cast,
@@ -152,7 +150,7 @@ def write_by_lot(stream: int, target: Target, value: Value, w: Writer) -> None:
     if who is None or entry is None:
         places = (Where(won, place, scalar(extent, "i32")),)
     else:
-        past_the_end = scalar(w.module.extent(who.sort), "i32")
+        past_the_end = scalar(w.module.extent(who.entity_type), "i32")
         places = (Where(won, at, past_the_end), entry)
     new = _values(value, target, axes, w, along_row=entry is None) if value.axes else value.node
     w.assign(target.attribute, written("set_at", current, places, new))
@@ -167,7 +165,7 @@ def _lot_places(
     """
     extent: Expression = Literal(1)
     if target.who is not None:
-        extent = w.module.extent(target.who.sort)
+        extent = w.module.extent(target.who.entity_type)
     if entry is None:
         return at, extent
     num_entries = target.num_entries(w)
@@ -285,8 +283,8 @@ def targets(target: ir.Expr, scope: IterationScope, w: Writer) -> list[Target]:
         table = layout.numbers_table(who.kinds, kind)
         comment = f"number among {kind} of each cell of the group; past the end: none"
         name = w.module.constant(f"{'_'.join(who.kinds)}_to_{kind}", table, comment)
-        numbers = name[who.site.node] if who.axis is None else name[:-1]
-        cell = CellVar(Value(numbers, "i32", who.site.axes), (kind,))
+        numbers = name[who.number.node] if who.axis is None else name[:-1]
+        cell = CellVar(Value(numbers, "i32", who.number.axes), (kind,))
         of_kinds.append(Target(w.module.field(read, kind), cell, keys, read, scope))
     return of_kinds
 
@@ -361,28 +359,10 @@ def _entry(
         new = select(mask, value, taken(before, key.node, before.levels - 1))
         of_sets = {"axis": -2} if before.levels > 1 else {}
         return replace(before, node=call("set_entry", before.node, key.node, new.node, **of_sets))
-    is_entry = _entries_of_word(key, before.axes, target, w)
-    if mask != TRUE:
-        is_entry = is_entry & _for_each_word(mask, before.axes)
-    if before.levels > 1:  # of large sets
-        is_entry = is_entry[..., None]
-        new_entry = aligned(value, before.axes, before.levels)
-    else:
-        new_entry = _for_each_word(value, before.axes)
-    return replace(before, node=Where(is_entry, new_entry, before.node))
-
-
-def _entries_of_word(key: Value, axes: Axes, target: Target, w: Writer) -> Expression:
-    """Returns which entries of the rows are those of a word that is computed."""
-    is_entry = call("one_hot", aligned(key, axes), target.num_entries(w))
-    if axes and not key.axes:
-        return is_entry[*[NEW_AXIS] * len(axes), :]
-    return is_entry
-
-
-def _for_each_word(value: Value, axes: Axes) -> Expression:
-    """Returns a value with one more axis, for the entries of a row; a scalar stays one."""
-    return indexed(aligned(value, axes), (REST, NEW_AXIS)) if value.axes else value.node
+    entries = w.axis("entry", target.num_entries(w))
+    row = replace(before, axes=(*before.axes, entries), levels=before.levels - 1)
+    after = select(one_hot(key, entries) & mask, value, row)
+    return replace(before, node=after.node)
 
 
 def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None:
@@ -397,7 +377,7 @@ def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None
     else:
         index = target.who.number
         name = _place(target.who)
-        past_the_end = w.module.extent(target.who.sort)
+        past_the_end = w.module.extent(target.who.entity_type)
         entry = key
     # A place for each instance; an array drops what is written past its end.
     axes = axes_of(index, scope.mask, value, entry)
@@ -452,9 +432,9 @@ def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None
     key = target.key(w) if target.along is None else None
     if key is not None:  # a row that has the value at the key's word and 0 elsewhere
         axes = axes_of(masked, key)
-        is_entry = _entries_of_word(key, axes, target, w)
-        zero = scalar(literal(0, masked.dtype).node, masked.dtype)
-        masked = Value(Where(is_entry, _for_each_word(masked, axes), zero), masked.dtype, axes, 1)
+        entries = w.axis("entry", target.num_entries(w))
+        entry = select(one_hot(key, entries), masked, 0)
+        masked = replace(entry, node=aligned(entry, (*axes, entries)), axes=axes, levels=1)
     if is_exact:
         reals = scalar(masked.node, "f32") if masked.literal else masked.node
         masked = Value(call("fixed_point", reals), "i32", masked.axes, masked.levels + 1)
@@ -486,7 +466,7 @@ def _scattered(target: Target, who: Variable, terms: Value, is_exact: bool, w: W
     index = who.number
     axes = axes_of(index, terms)
     total = reduce("sum", terms, without(target.scope.axes, axes))
-    extent = w.module.extent(who.sort)
+    extent = w.module.extent(who.entity_type)
     levels = target.read.type.indexed_by
     none = zeros("f32" if is_exact else total.dtype, extent, *map(w.module.num_entries, levels))
     if is_exact:
@@ -505,7 +485,7 @@ def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
     index = member if who is None else who.number
     axes = axes_of(index, member, key, mask)
     # What is not added has a number past the end.
-    past_the_end = w.module.agents if who is None else w.module.extent(who.sort)
+    past_the_end = w.module.agents if who is None else w.module.extent(who.entity_type)
     at = broadcast(select(mask, index, past_the_end), axes)
     at = w.keep("member" if who is None else _place(who), at)
     places: list[Expression] = []

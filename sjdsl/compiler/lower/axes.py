@@ -269,6 +269,8 @@ def as_dtype(value: Value, dtype: DType) -> Value:
     if isinstance(node, Literal):
         return literal(value.number, dtype, node.name)
     if isinstance(node, Cast) and node.source in ("u8", "bool"):
+        if node.source == dtype:  # what has been widened
+            return replace(value, node=node.value, dtype=dtype)
         if (value.dtype, dtype) == ("i32", "f32"):  # at once, not by way of int32
             return replace(value, node=Cast(node.value, dtype, node.source), dtype=dtype)
     return replace(value, node=Cast(node, dtype, value.dtype), dtype=dtype)

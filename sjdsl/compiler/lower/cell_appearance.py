@@ -339,6 +339,6 @@ def largest(e: ir.Expr, game: ir.Game) -> float:
     return max(bounds, default=e.type.high)
 
 
-def relative_heading(difference: Expression) -> Expression:
-    """Returns the number of another's heading relative to the observer's."""
-    return Literal(OTHER_FACING) + (difference & 3)
+def relative_heading(difference: Expression, same: int) -> Expression:
+    """Returns the number of another's heading relative to the observer's. same: of the same one."""
+    return Literal(same) + (difference & 3)

@@ -18,13 +18,14 @@ class Deciding(Record):
     fields: by holder and name. variables: the names that `let` and `draw` give.
     """
 
-    fields: frozenset[tuple[ir.Sort, str]]
+    fields: frozenset[tuple[ir.EntityType, str]]
     variables: frozenset[str]
 
     def has_field(self, field: ir.FieldRead | ir.VarField) -> bool:
         """Returns whether a field that is declared, read or written decides."""
         return any(
-            name == field.name and sort.overlaps(field.held_by) for sort, name in self.fields
+            name == field.name and entity_type.overlaps(field.held_by)
+            for entity_type, name in self.fields
         )
 
 

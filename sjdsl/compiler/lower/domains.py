@@ -6,7 +6,6 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
-    TRUE,
     Axis,
     Value,
     axes_of,
@@ -24,6 +23,7 @@ from sjdsl.compiler.lower.scope import (
     NotSupported,
     Variable,
     numbered,
+    scope_of_agents,
 )
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
@@ -31,7 +31,6 @@ from sjdsl.compiler.program.expressions import (
     NEW_AXIS,
     DType,
     Expression,
-    Literal,
     Name,
     call,
     reduction,
@@ -55,7 +54,7 @@ def enter(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
     """
     if isinstance(d.restriction, ir.Among):
         inner = _among(d, d.restriction, scope, w)
-    elif d.var.sort.what == "cell":
+    elif d.var.entity_type.what == "cell":
         inner = _cells(d, scope, w)
     else:
         inner = _bodies(d, scope, w)
@@ -77,7 +76,7 @@ def is_empty(d: ir.Domain, w: Writer) -> bool:
     num_cells = w.module.layout.num_cells
     if d.on is not None and not num_cells(d.on.kinds):
         return True
-    return d.var.sort.what == "cell" and not num_cells(d.var.kinds)
+    return d.var.entity_type.what == "cell" and not num_cells(d.var.kinds)
 
 
 def in_set(members: Value, axis: Axis) -> Value:
@@ -104,30 +103,35 @@ def extended(
     axis: Axis | None,
     d: ir.Domain,
     variable: Variable,
-    digit: Value,
-    radix: Literal,
+    w: Writer,
+    is_place: bool = False,
 ) -> IterationScope:
-    """Returns the scope with one more quantifier around it."""
+    """Returns the scope with one more quantifier around it.
+
+    is_place: whether its members are numbered by their places along the axis.
+    """
+    digit = (variable.number, w.module.extent(d.var.entity_type))
+    if is_place and axis is not None:
+        digit = (iota(axis), axis.extent)
     return replace(
         scope.binding(d.var.name, variable),
         axes=scope.axes if axis is None else (*scope.axes, axis),
-        digits=(*scope.digits, (digit, radix)),
+        digits=(*scope.digits, digit),
     )
 
 
 def _bodies(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
     """Returns the scope inside a domain of agents or movers."""
-    extent = w.module.extent(d.var.sort)
     match d.restriction:
         case ir.InAgents(value=value) if value.type.kind in ("agent", "member"):
             index = w.keep(d.var.name, w.value(value, scope))
             variable = AgentVar(index)
-            inner = extended(scope, None, d, variable, index, extent)
+            inner = extended(scope, None, d, variable, w)
             inner = inner.when(index >= 0)
             return inner.when(state_reads.present(variable, w))
-    axis = w.axis(d.var.name, extent)
-    variable = AgentVar(iota(axis), axis, d.var.sort)
-    inner = extended(scope, axis, d, variable, variable.index, extent)
+    axis = w.axis(d.var.name, w.module.extent(d.var.entity_type))
+    variable = AgentVar(iota(axis), axis, d.var.entity_type)
+    inner = extended(scope, axis, d, variable, w)
     inner = inner.when(state_reads.present(variable, w))
     match d.restriction:
         case ir.Near():
@@ -149,7 +153,7 @@ def _among(d: ir.Domain, among: ir.Among, scope: IterationScope, w: Writer) -> I
     stacked = call("jnp.stack", [spread(i, axes) for i in indices], axis=len(axes))
     index = w.keep(d.var.name, Value(stacked, "i32", (*axes, axis)))
     variable = numbered(d.var, index)
-    inner = extended(scope, axis, d, variable, index, w.module.extent(d.var.sort))
+    inner = extended(scope, axis, d, variable, w)
     if isinstance(variable, CellVar):
         inner = inner.when(state_reads.is_site(index, d.var.kinds, w))
     else:
@@ -180,16 +184,16 @@ def _cells(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
         case ir.Near():
             site, exists = sites_in(d.restriction, kinds, scope, w, d.var.name)
             axis = site.axes[-1]
-            inner = extended(scope, axis, d, CellVar(site, kinds), iota(axis), axis.extent)
+            inner = extended(scope, axis, d, CellVar(site, kinds), w, is_place=True)
             return inner.when(exists)
         case ir.InCell(value=value):
             held = state_reads.held_cell(value, kinds, scope, w)
-            inner = extended(scope, None, d, held, held.site, w.module.num_cells(kinds))
-            return inner.when(state_reads.is_site(held.site, kinds, w))
+            inner = extended(scope, None, d, held, w)
+            return inner.when(state_reads.is_site(held.number, kinds, w))
         case _:
             axis = w.axis(d.var.name, w.module.num_cells(kinds))
             variable = CellVar(iota(axis), kinds, axis)
-            return extended(scope, axis, d, variable, variable.site, axis.extent)
+            return extended(scope, axis, d, variable, w)
 
 
 def sites_in(
@@ -205,8 +209,8 @@ def sites_in(
         anchor = state_reads.placed(anchor, w)
         axis = w.axis(name, sum(map(len, shape.lanes)))
         table = neighbours_constant(near, anchor, kinds, w)
-        neighbours = table if anchor.axis is not None else table[anchor.site.node]
-        site = Value(neighbours, "i32", (*anchor.site.axes, axis))
+        neighbours = table if anchor.axis is not None else table[anchor.number.node]
+        site = Value(neighbours, "i32", (*anchor.number.axes, axis))
         return site, state_reads.is_site(site, kinds, w)
     swept = sweep(near, scope, w)
     site = w.keep(_site_name(near, kinds), state_reads.site_at(swept.cells, kinds, w))
@@ -357,8 +361,7 @@ def _agents_block(block: ir.Block, cells: Value, w: Writer) -> Value:
     standing = stand_on(cells, state_reads.positions(w))
     if block.condition is not None:
         axis = w.axis("blocker", w.module.agents)
-        scope = IterationScope(axes=(axis,), variables={"agent": AgentVar(iota(axis), axis)})
-        stops = spread(w.value(block.condition, scope), (axis,))
+        stops = spread(w.value(block.condition, scope_of_agents((axis,))), (axis,))
         standing = standing & stops[*[NEW_AXIS] * len(cells.axes), :]
     return Value(reduction("any", standing, (len(cells.axes),)), "bool", cells.axes)
 
@@ -383,7 +386,7 @@ def blocked_by(
     """Returns which of the cells are of a kind and block, by the state of the snapshot."""
     site = state_reads.site_at(cells, (kind.name,), w)
     members = [n for n in ir.walk(block) if isinstance(n, ir.Member)]
-    if agent is None and any(member.sort.what == "agent" for member in members):
+    if agent is None and any(member.entity_type.what == "agent" for member in members):
         instead = (
             "`blocks agents` may ask about the agent; what blocks a shape asks about the cell alone"
         )
@@ -391,7 +394,7 @@ def blocked_by(
         raise NotSupported(feature, block.origin, instead)
     variables: dict[str, Variable] = {kind.name: CellVar(site, (kind.name,))}
     if agent is not None:
-        variables[agent.sort.name] = agent
+        variables[agent.entity_type.name] = agent
     assert block.condition is not None
     test = w.value(block.condition, IterationScope(axes=cells.axes, variables=variables))
     return state_reads.is_site(site, (kind.name,), w) & test
@@ -399,26 +402,15 @@ def blocked_by(
 
 def agents_in(near: ir.Near, variable: AgentVar, scope: IterationScope, w: Writer) -> Value:
     """Returns which agents stand on a cell of the shape."""
-    anchor = scope.variables[near.anchor.name]
-    shape = w.module.shape(near.shape)
     assert variable.axis is not None
-    if isinstance(anchor, CellVar):
-        around = w.module.layout.offsets_table(shape)[0]
-        name = f"{shape.name.split('(')[0]}_around"
-        offsets = w.module.constant(name, around, f"cells of {shape.name}")
-        steps = Value(offsets, "i32", (w.axis("around", sum(map(len, shape.lanes))),))
-        cells = _plus(state_reads.cell(anchor, w), steps, w)
-        ok = TRUE
-    else:
-        swept = sweep(near, scope, w)
-        cells = swept.cells
-        ok = swept.ok if has_inner_blocks(shape, w) else TRUE
+    swept = sweep(near, scope, w)
+    cells = swept.cells
     axes = cells.axes[:-1]
     if variable.axis not in cells.axes:
         axes = (*axes, variable.axis)
     standing = stand_on(cells, state_reads.position(variable, w).node)
-    if ok != TRUE:
-        standing = standing & ok.node[*[ALL] * len(ok.axes), None]
+    if has_inner_blocks(w.module.shape(near.shape), w):
+        standing = standing & swept.ok.node[*[ALL] * len(cells.axes), None]
     inside = Value(reduction("any", standing, (len(cells.axes) - 1,)), "bool", axes)
     return w.keep(f"in_{shape_name(near.shape)}", inside)
 

@@ -50,9 +50,9 @@ def random_bits(stream: int, scope: IterationScope, w: Writer, extra: Axis | Non
     return w.keep("word", Value(bits, "u32", number.axes))
 
 
-def bits_of_each(stream: int, sort: ir.Sort, w: Writer) -> Expression:
+def bits_of_each(stream: int, entity_type: ir.EntityType, w: Writer) -> Expression:
     """Returns 32 random bits for each agent, or each mover of a name."""
-    return call("random_bits", KEY, w.stream(stream), w.module.extent(sort))
+    return call("random_bits", KEY, w.stream(stream), w.module.extent(entity_type))
 
 
 def need_no_state(digits: tuple[tuple[Value, Literal], ...]) -> bool:

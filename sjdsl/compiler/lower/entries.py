@@ -6,7 +6,7 @@ agent.trust[b] with two axes is the stored table itself: nothing is looked up.
 from dataclasses import replace
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.sorts import Level
+from sjdsl.compiler.ir.entity_types import Level
 from sjdsl.compiler.lower.axes import (
     Axes,
     Axis,

@@ -243,7 +243,7 @@ def agent(e: ir.Expr, scope: IterationScope, w: Writer) -> AgentVar:
 
 def is_cell(e: ir.Expr) -> bool:
     """Returns whether an expression is a cell: a variable, or a value."""
-    return e.type.kind == "cell" or (isinstance(e, ir.Member) and e.sort.what == "cell")
+    return e.type.kind == "cell" or (isinstance(e, ir.Member) and e.entity_type.what == "cell")
 
 
 def declared_by(e: ir.Expr, w: Writer) -> ir.VarField | None:
@@ -262,7 +262,7 @@ def attribute(e: ir.Attribute, scope: IterationScope, w: Writer) -> Value:
     assert isinstance(variable, AgentVar)
     match e.name:
         case "index":
-            return variable.index
+            return variable.number
         case "heading":
             return as_dtype(state_reads.heading(variable, w), "u8")
         case "moved":

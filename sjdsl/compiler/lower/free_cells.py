@@ -7,7 +7,7 @@ from operator import or_
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_of
-from sjdsl.compiler.ir.queries import body_sorts
+from sjdsl.compiler.ir.queries import body_types
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
     TRUE,
@@ -56,12 +56,12 @@ def free_cells(
 
     if pool.phase != "start":
         free = empty("others", _sites_of_others(pool, leaving, w))
-    placed: dict[ir.Sort, list[Expression]] = {}
+    placed: dict[ir.EntityType, list[Expression]] = {}
     for other, who in entered:
         if set(other.kinds) & set(pool.kinds):
-            placed.setdefault(other.sort, []).append(who)
-    for sort, masks in placed.items():
-        positions = w.current(attribute_of("position", sort))
+            placed.setdefault(other.entity_type, []).append(who)
+    for entity_type, masks in placed.items():
+        positions = w.current(attribute_of("position", entity_type))
         cells = Where(reduce(or_, masks), positions, state_reads.nowhere(w).node)
         sites = state_reads.site_at(Value(cells, "i32"), pool.kinds, w)
         free = free & empty("entered", sites.node)
@@ -75,11 +75,13 @@ def free_cells(
 
 
 def _sites_of_others(pool: Pool, leaving: Expression | None, w: Writer) -> Expression:
-    """Returns which cells of a destination agents and movers stand on, those of its sort first."""
+    """Returns which cells of a destination agents and movers stand on, those of its type first."""
     sites: list[Expression] = []
-    for sort in sorted(body_sorts(w.module.game), key=lambda sort: sort != pool.sort):
-        site, _ = state_reads.site_under(state_reads.everybody(w, sort), pool.kinds, w)
-        if leaving is None or sort != pool.sort:
+    for entity_type in sorted(
+        body_types(w.module.game), key=lambda entity_type: entity_type != pool.entity_type
+    ):
+        site, _ = state_reads.site_under(state_reads.everybody(w, entity_type), pool.kinds, w)
+        if leaving is None or entity_type != pool.entity_type:
             sites.append(site.node)
         else:
             sites.append(Where(leaving, w.module.num_cells(pool.kinds), site.node))

@@ -35,7 +35,7 @@ def match_(s: ir.Match, scope: IterationScope, w: Writer) -> IterationScope:
         raise NotSupported("`match` of one certain agent", s.origin, instead)
     var = s.right.var
     partner = w.keep(var.name, _partners(s, left, w))
-    matched = partner < w.module.extent(var.sort)
+    matched = partner < w.module.extent(var.entity_type)
     right = numbered(var, partner)
     inner = bound(s.right, right, left.always(), w)
     return inner.when(scope.mask).when(w.keep("matched", matched))
@@ -45,16 +45,16 @@ def _partners(s: ir.Match, left: IterationScope, w: Writer) -> Value:
     """Returns the partner of each left member, past the end for those who have none."""
     right = s.right
     rows = left.axes[-1]
-    same_sort = s.left.var.sort == right.var.sort
-    if not same_sort and s.left.var.sort.overlaps(right.var.sort):
+    same_type = s.left.var.entity_type == right.var.entity_type
+    if not same_type and s.left.var.entity_type.overlaps(right.var.entity_type):
         feature = "a `match` of two groups that have cells in common"
         raise NotSupported(feature, s.origin, "match a group with itself, or with other kinds")
-    size = w.module.extent(right.var.sort)
+    size = w.module.extent(right.var.entity_type)
     if s.first:
         inner, exists = nearest(right, left.always(), w)
         reached = inner.variables[right.var.name].number
         axes = (rows, inner.axes[-1])
-        return _among_reached(s, reached, left.mask & exists, axes, size, same_sort, w)
+        return _among_reached(s, reached, left.mask & exists, axes, size, same_type, w)
     inner = enter(right, left, w)
     cols = inner.axes[-1]
     variable = inner.variables[right.var.name]
@@ -63,15 +63,15 @@ def _partners(s: ir.Match, left: IterationScope, w: Writer) -> Value:
         instead = "write `each` for both sides, one inside the other"
         raise NotSupported(feature, s.origin, instead)
     if variable.axis is None:
-        return _among_reached(s, variable.number, inner.mask, (rows, cols), size, same_sort, w)
+        return _among_reached(s, variable.number, inner.mask, (rows, cols), size, same_type, w)
     assert size.value == cols.size
     pairs = spread(inner.mask, (rows, cols))
-    if same_sort:
+    if same_type:
         pairs = pairs & ~call("jnp.eye", size, dtype=Name("bool"))
     pairs = w.keep_node("pairs", pairs, "bool")
     drawn = call("random_bits", KEY, w.stream(s.stream), rows.extent, cols.extent)
     ranks = w.keep("order", Value(call("ranks", drawn, pairs), "u32", (rows, cols)))
-    return Value(call("pair", ranks.node, alike=same_sort), "i32", (rows,))
+    return Value(call("pair", ranks.node, alike=same_type), "i32", (rows,))
 
 
 def _among_reached(
@@ -80,7 +80,7 @@ def _among_reached(
     mask: Value,
     axes: tuple[Axis, Axis],
     size: Literal,
-    same_sort: bool,
+    same_type: bool,
     w: Writer,
 ) -> Value:
     """Returns partners among the few members that each left one reaches.
@@ -91,7 +91,7 @@ def _among_reached(
     reached = w.keep_node("reached", spread(index, axes), "i32")
     happens = spread(mask, axes)
     left = iota(rows).node[:, None]
-    if same_sort:
+    if same_type:
         happens = happens & reached.ne(left)
     # A draw's number is that of the pair among all pairs.
     numbers: Expression = Cast(left * size + reached, "u32")
@@ -100,5 +100,5 @@ def _among_reached(
     instance = w.keep_node("instance", numbers, "u32")
     drawn = call("random_bits_at", KEY, stream, instance)
     ranks = w.keep("order", Value(call("ranks", drawn, happens), "u32", axes))
-    pairs = call("pair_reached", reached, ranks.node, size, alike=same_sort)
+    pairs = call("pair_reached", reached, ranks.node, size, alike=same_type)
     return Value(pairs, "i32", (rows,))

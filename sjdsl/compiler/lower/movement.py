@@ -1,8 +1,8 @@
 """Lowers `move`: agents step as they chose, movers on their course; then collisions are settled."""
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.names import attribute_of
-from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
     TRUE,
@@ -64,29 +64,29 @@ def move(s: ir.Move, scope: IterationScope, w: Writer) -> None:
 
 def nobody_moves(s: ir.Move, w: Writer) -> None:
     """Writes a movement phase of a domain that has no members on this map."""
-    sort = s.domain.var.sort
-    if w.module.stores_moved(sort):
-        attribute = attribute_of("moved", sort)
+    entity_type = s.domain.var.entity_type
+    if w.module.stores_moved(entity_type):
+        attribute = attribute_of("moved", entity_type)
         w.assign(attribute, call("jnp.zeros_like", path(f"state.{attribute}")))
 
 
-def settle(s: ir.Move, sort: ir.Sort, target: Name, w: Writer) -> None:
+def settle(s: ir.Move, entity_type: ir.EntityType, target: Name, w: Writer) -> None:
     """Writes where agents, or the movers of a name, come to stand, all of whom have targets."""
-    position = state_reads.positions(w, sort)
-    attribute = attribute_of("position", sort)
+    position = state_reads.positions(w, entity_type)
+    attribute = attribute_of("position", entity_type)
     if w.module.game.movers:  # all others stay, and whoever wants a cell of theirs stays as well
-        taken = call("is_one_of", target, state_reads.all_positions(w, but=sort))
+        taken = call("is_one_of", target, state_reads.all_positions(w, but=entity_type))
         w.set(target, Where(taken, position, target))
-    bits = bits_of_each(s.stream, sort, w)
+    bits = bits_of_each(s.stream, entity_type, w)
     w.assign(attribute, call("resolve", position, target, bits))
-    if w.module.stores_moved(sort):
-        w.assign(attribute_of("moved", sort), w.current(attribute).ne(position))
+    if w.module.stores_moved(entity_type):
+        w.assign(attribute_of("moved", entity_type), w.current(attribute).ne(position))
 
 
 def stay_if_blocked(body: AgentVar, target: Name, w: Writer) -> None:
     """Writes that whoever wants to enter a cell that blocks under a condition stays."""
-    position = state_reads.positions(w, body.sort)
-    for block, kind in conditional_blocks(body.sort.plural, w):
+    position = state_reads.positions(w, body.entity_type)
+    for block, kind in conditional_blocks(body.entity_type.plural, w):
         if body.axis is None:
             feature = "`move each` of agents named one by one where cells block under a condition"
             raise NotSupported(feature, w.origin)
@@ -106,7 +106,7 @@ def move_on_course(s: ir.Move, scope: IterationScope, w: Writer) -> None:
         instead = "say with `where` which of them move"
         raise NotSupported("`move each` of movers that are named one by one", s.origin, instead)
     axis = mover.axis
-    position = state_reads.positions(w, mover.sort)
+    position = state_reads.positions(w, mover.entity_type)
     match course:
         case ir.Along():
             value = w.value(course.heading, inner)
@@ -117,25 +117,27 @@ def move_on_course(s: ir.Move, scope: IterationScope, w: Writer) -> None:
         case ir.Wander():
             direction, goes = _open_direction(course, inner, mover, w)
     entry = position * 4 + direction.node
-    next_cell: Expression = _next_table(mover.sort, w)[entry]
+    next_cell: Expression = _next_table(mover.entity_type, w)[entry]
     if goes != TRUE:
         next_cell = Where(spread(goes, (axis,)), next_cell, position)
     target = w.bind("target", next_cell)
     if isinstance(course, ir.Along):
         stay_if_blocked(mover, target, w)
     if not _keeps_heading(course):
-        attribute = attribute_of("heading", mover.sort)
+        attribute = attribute_of("heading", mover.entity_type)
         turned: Expression = Cast(direction.node, "u8")
         if goes != TRUE:
             turned = Where(spread(goes, (axis,)), turned, path(f"state.{attribute}"))
         w.assign(attribute, turned)
-    settle(s, mover.sort, target, w)
+    settle(s, mover.entity_type, target, w)
 
 
-def _next_table(sort: ir.Sort, w: Writer) -> Name:
-    comment = f"where a step leads {sort.name}, by cell and direction; the cell itself if blocked"
-    table = w.module.layout.next_table(sort.name)
-    return w.module.constant(f"next_cell_of_{sort.name}", table, comment)
+def _next_table(entity_type: ir.EntityType, w: Writer) -> Name:
+    comment = (
+        f"where a step leads {entity_type.name}, by cell and direction; the cell itself if blocked"
+    )
+    table = w.module.layout.next_table(entity_type.name)
+    return w.module.constant(f"next_cell_of_{entity_type.name}", table, comment)
 
 
 def _keeps_heading(course: ir.Along | ir.Wander) -> bool:
@@ -154,14 +156,14 @@ def _open_direction(
     axis = mover.axis
     ways = w.axis("way", 4)
     axes = (axis, ways)
-    position = state_reads.positions(w, mover.sort)[:, None]
+    position = state_reads.positions(w, mover.entity_type)[:, None]
     directions = iota(ways).node[None, :]
     entry = position * 4 + directions
-    beside = w.keep("beside", Value(_next_table(mover.sort, w)[entry], "i32", axes))
+    beside = w.keep("beside", Value(_next_table(mover.entity_type, w)[entry], "i32", axes))
     taken = call("is_one_of", beside.node, state_reads.all_positions(w))
     leads_away = beside.node.ne(position)
     is_open = Value(leads_away & ~taken, "bool", axes)
-    for block, kind in conditional_blocks(mover.sort.plural, w):
+    for block, kind in conditional_blocks(mover.entity_type.plural, w):
         is_open = is_open & ~blocked_by(block, kind, beside, w, mover)
     if course.avoided is not None and not is_empty(course.avoided, w):
         cells, is_member = _members(course.avoided, scope, axis, w)
@@ -171,10 +173,8 @@ def _open_direction(
     if course.goal is not None:
         better = _better(course.goal, course.away, scope, mover, axis, w)
         is_open = is_open & Value(better, "bool", axes)
-    direction = w.fresh("way")
-    has_way = w.fresh("found")
-    bits = bits_of_each(course.stream, mover.sort, w)
-    w.unpack((direction, has_way), call("pick", is_open.node, bits))
+    bits = bits_of_each(course.stream, mover.entity_type, w)
+    direction, has_way = w.keep_parts(("way", "found"), call("pick", is_open.node, bits))
     goes = w.keep("goes", scope.mask & Value(has_way, "bool", (axis,)))
     return Value(direction, "i32", (axis,)), goes
 
@@ -190,12 +190,9 @@ def _better(
         return zeros("bool", axis.extent, 4)
     cells, is_member = _members(goal, scope, axis, w)
     layout = w.module.layout
-    positions = state_reads.positions(w, mover.sort)
-    arguments = [positions, cells, is_member, w.module.frame_cols]
-    if layout.wraps:
-        gained = call("gains_around", *arguments, layout.height, layout.width)
-    else:
-        gained = call("gains", *arguments)
+    positions = state_reads.positions(w, mover.entity_type)
+    around = {"around": (layout.height, layout.width)} if layout.wraps else {}
+    gained = call("gains", positions, cells, is_member, w.module.frame_cols, **around)
     return gained > 0 if away else gained < 0
 
 

@@ -4,8 +4,8 @@ from dataclasses import replace
 from math import prod
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.queries import seen_heading, shown_field, shows_attribute, view_size
-from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
     TRUE,
@@ -39,7 +39,13 @@ from sjdsl.compiler.lower.painting import (
     parts_of,
     shift_of,
 )
-from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, NotSupported
+from sjdsl.compiler.lower.scope import (
+    AgentVar,
+    CellVar,
+    IterationScope,
+    NotSupported,
+    scope_of_agents,
+)
 from sjdsl.compiler.lower.state_reads import HEADING, POSITION
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
@@ -55,30 +61,14 @@ from sjdsl.compiler.program.expressions import (
 )
 
 
-def marks_seen(marks: list[Part], planes: dict[str, Value], seen: list[Name], w: Writer) -> Value:
-    """Returns the marks of a cell as bits, one a phase."""
-    first = marks[0]
-    if len(marks) == 1:
-        return planes[first.name]
-    places = [(mark.plane, mark.shift) for mark in marks]
-    if places == [(first.plane, first.shift + number) for number in range(len(marks))]:
-        whole = replace(planes[first.name], node=seen[first.plane])
-        shift = w.module.number("mark_shift", first.shift)
-        mask = w.module.number("mark_mask", 2 ** len(marks) - 1)
-        return (whole >> shift) & mask
-    bits = planes[first.name]
-    for number, mark in enumerate(marks[1:], 1):
-        bits = bits | (planes[mark.name] << number)
-    return bits
-
-
 def somebody_seen(planes: dict[str, Value], w: Writer) -> Value:
     """Returns where an agent stands, the observer too."""
     return w.keep("somebody", planes["agent"].ne(0))
 
 
-def without_hidden_marks(marks: Value, planes: dict[str, Value], axes: Axes, w: Writer) -> Value:
-    """Returns the marks that are seen: none on the cells on which they are hidden."""
+def without_hidden_marks(planes: dict[str, Value], axes: Axes, w: Writer) -> Value:
+    """Returns the marks that are seen as bits: none on the cells on which they are hidden."""
+    marks = planes["marks"]
     all_hidden = w.module.game.hidden
     by_kind = {look.kind.name: look for look in looks(w.module.game) if look.present}
     raw = planes["content"]
@@ -131,13 +121,7 @@ def seen_cell(look: Look, name: str, values: dict[str, Value], axes: Axes) -> It
     """
     painted = tuple(values.items())
     cell = CellVar(literal(0, "i32"), (look.kind.name,), painted=painted, seen=axes)
-    return _observer_scope(axes).binding(name, cell)
-
-
-def _observer_scope(axes: Axes) -> IterationScope:
-    """Returns the scope of a condition about the observer, who is along the first axis."""
-    observer = AgentVar(iota(axes[0]), axes[0])
-    return IterationScope(axes=axes, variables={"agent": observer})
+    return scope_of_agents(axes).binding(name, cell)
 
 
 def observe(w: Writer) -> Expression:
@@ -161,10 +145,8 @@ def observe(w: Writer) -> Expression:
         covered = literal(content_labels(game).index(COVERED), "u8")
         content = select(somebody_seen(planes, w), covered, content)
     columns = [content, *agents]
-    marks = [p for p in parts if p.marks is not None]
-    if marks:
-        bits = marks_seen(marks, planes, seen, w)
-        columns.insert(2, w.keep("marks", without_hidden_marks(bits, planes, axes, w)))
+    if "marks" in planes:
+        columns.insert(2, w.keep("marks", without_hidden_marks(planes, axes, w)))
     columns += _movers(planes, axes, w)
     columns += _everyone(axes, w)
     columns += _own(axes, w)
@@ -198,7 +180,7 @@ def _own_windows(seen: list[Name], axes: Axes, w: Writer) -> list[Name]:
     views = w.module.game.window.views
     if not views:
         return seen
-    place = _observer_scope(axes[:1])
+    place = scope_of_agents(axes[:1])
     inside = TRUE  # replaced by the last view, which has no condition
     for number, view in reversed(list(enumerate(views))):
         w.origin = view.origin
@@ -229,13 +211,13 @@ def _myself(w: Writer) -> Expression:
     return w.module.constant("myself", own_cell, comment)[None]
 
 
-def _standing(plane: Value, name: str, sort: ir.Sort, w: Writer) -> AgentVar:
+def _standing(plane: Value, name: str, entity_type: ir.EntityType, w: Writer) -> AgentVar:
     """Returns who stands on each cell, from a plane of numbers one up.
 
     Where nobody does it is the first of all.
     """
     index = called("jnp.maximum", as_dtype(plane, "i32") - 1, 0)
-    return AgentVar(w.keep(name, index), sort=sort)
+    return AgentVar(w.keep(name, index), entity_type=entity_type)
 
 
 def _part_of(part: Part, parts: tuple[Part, ...], seen: Expression, axes: Axes, w: Writer) -> Value:
@@ -361,10 +343,10 @@ def _agents(agent: Value, axes: Axes, by_id: bool, w: Writer) -> list[Value]:
     if not by_id:
         observers = Cast(HEADING, "u8")[:, None]
         difference = agent.node - 1 - observers
-        other = w.keep_node("others", relative_heading(difference), "u8")
+        other = w.keep_node("others", relative_heading(difference, OTHER_FACING), "u8")
         return [_agent_plane(is_self, somebody, other, axes, w)]
     standing = _standing(agent, "who", AGENTS, w)
-    place = _observer_scope(axes).binding("other", standing)
+    place = scope_of_agents(axes).binding("other", standing)
     others = Literal(OTHER_FACING) if heading is None else _headings(heading, standing, place, w)
     columns = [_agent_plane(is_self, somebody, others, axes, w)]
     is_other = somebody & ~is_self
@@ -379,9 +361,8 @@ def _headings(
     heading: ir.Observable, standing: AgentVar, place: IterationScope, w: Writer
 ) -> Expression:
     """Returns the numbers of others by their headings, or of others whose heading is hidden."""
-    observers = HEADING[:, None]
-    difference = HEADING[standing.index.node] - observers
-    numbers = Cast(relative_heading(difference), "u8")
+    difference = HEADING[standing.number.node] - HEADING[:, None]
+    numbers = Cast(relative_heading(difference, OTHER_FACING), "u8")
     if heading.hidden_when is None:
         return numbers
     faceless = len(agent_labels(w.module.game)) - 1
@@ -456,14 +437,10 @@ def _field_observable(
     stored = state_reads.field(read, body, w)
     if observable.word is not None:
         stored = taken(stored, w.module.entry(observable.word).node)
-    if stored.dtype == "u8":
-        return stored
-    if declared.type.kind != "int" or not state_reads.fits_byte(declared, w):
-        bounded = call("jnp.minimum", stored.node, 255)
-        return replace(stored, node=Cast(bounded, "u8"), dtype="u8")
-    if isinstance(stored.node, Cast) and stored.node.source == "u8":
-        return replace(stored, node=stored.node.value, dtype="u8")  # the byte that was widened
-    return replace(stored, node=Cast(stored.node, "u8"), dtype="u8")
+    is_small = declared.type.kind == "int" and state_reads.fits_byte(declared, w)
+    if stored.dtype != "u8" and not is_small:
+        stored = called("jnp.minimum", stored, 255)
+    return as_dtype(stored, "u8")
 
 
 def _attribute_observable(observable: ir.Observable, place: IterationScope, w: Writer) -> Value:
@@ -485,24 +462,18 @@ def _movers(planes: dict[str, Value], axes: Axes, w: Writer) -> list[Value]:
         w.origin = observable.origin
         painted = planes[observable.kind]
         exists = painted.ne(0)
-        mover = _standing(painted, f"which_{observable.kind}", observable.sort, w)
-        place = _observer_scope(axes).binding(observable.kind, mover)
+        mover = _standing(painted, f"which_{observable.kind}", observable.entity_type, w)
+        place = scope_of_agents(axes).binding(observable.kind, mover)
         if not observable.field:
             value = as_dtype(exists, "u8")
         elif observable.field == "heading" and not observable.labels:
-            value = _turned_to_observer(state_reads.heading(mover, w), axes)
+            difference = state_reads.heading(mover, w).node - HEADING[:, None]
+            value = Value(Cast(relative_heading(difference, 1), "u8"), "u8", axes)
         else:
             value = _one_up(observable, _field_observable(observable, mover, place, w))
         visible = _visible(observable, value, place, w, exists)
         columns.append(w.keep(f"seen_{observable.kind}", visible))
     return columns
-
-
-def _turned_to_observer(heading: Value, axes: Axes) -> Value:
-    """Returns headings relative to the observer's, from 1 for the same one on."""
-    observers = HEADING[:, None]
-    number = ((heading.node - observers) & 3) + 1
-    return Value(Cast(number, "u8"), "u8", axes)
 
 
 def _everyone(axes: Axes, w: Writer) -> list[Value]:
@@ -511,7 +482,7 @@ def _everyone(axes: Axes, w: Writer) -> list[Value]:
     observer, window = axes
     pair = (observer, w.axis("everyone", w.module.agents))
     body = AgentVar(iota(pair[1]), pair[1])
-    place = _observer_scope(pair).binding("everyone", body)
+    place = scope_of_agents(pair).binding("everyone", body)
     for observable in _shown_of("everyone", w):
         w.origin = observable.origin
         value = _visible(observable, _field_observable(observable, body, place, w), place, w)
@@ -525,7 +496,7 @@ def _own(axes: Axes, w: Writer) -> list[Value]:
     """Returns the planes of the observer's own fields and the world's."""
     columns = []
     observer = AgentVar(iota(axes[0]), axes[0])
-    place = _observer_scope(axes[:1])
+    place = scope_of_agents(axes[:1])
     for observable in (*_shown_of("own", w), *_shown_of("world", w)):
         w.origin = observable.origin
         body = observer if observable.what == "own" else None

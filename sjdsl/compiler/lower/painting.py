@@ -3,7 +3,7 @@
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.names import attribute_name
-from sjdsl.compiler.ir.queries import body_sorts, movers_named
+from sjdsl.compiler.ir.queries import body_types, movers_named
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import Value, aligned, as_dtype, literal, union
 from sjdsl.compiler.lower.cell_appearance import Look, looks, seen_marks
@@ -12,13 +12,12 @@ from sjdsl.compiler.program.expressions import Arange, Cast, Name, call, path, s
 
 
 class Part(Record):
-    """Some bits of a painted byte. marks: the phase whose marks they are."""
+    """Some bits of a painted byte."""
 
     name: str
     plane: int
     shift: int
     bits: int
-    marks: ir.Phase | None = None
 
 
 def parts_of(game: ir.Game, by_id: bool) -> tuple[Part, ...]:
@@ -28,24 +27,23 @@ def parts_of(game: ir.Game, by_id: bool) -> tuple[Part, ...]:
     """
     num_contents = max(look.raw + look.raw_values for look in looks(game))
     agent_bits = _bits(game.agents.number + 1) if by_id else 3
-    wanted: list[tuple[str, int, ir.Phase | None]] = []
-    wanted.append(("content", _bits(num_contents), None))
-    wanted.append(("agent", agent_bits, None))
+    wanted = [("content", _bits(num_contents)), ("agent", agent_bits)]
     for movers in game.movers:
         number = shown_movers(movers, game)
         if number:
-            wanted.append((movers.name, _bits(1 + number), None))
-    wanted += [(f"mark_{phase.name}", 1, phase) for phase in seen_marks(game)]
+            wanted.append((movers.name, _bits(1 + number)))
+    if seen_marks(game):
+        wanted.append(("marks", len(seen_marks(game))))
     parts: list[Part] = []
     used = [0]  # bits of each plane
-    for name, bits, phase in wanted:
+    for name, bits in wanted:
         with_room = [plane for plane, taken in enumerate(used) if taken + bits <= 8]
         if with_room:
             plane = with_room[0]
         else:
             plane = len(used)
             used.append(0)
-        parts.append(Part(name, plane, used[plane], bits, phase))
+        parts.append(Part(name, plane, used[plane], bits))
         used[plane] += bits
     return tuple(parts)
 
@@ -69,7 +67,9 @@ def _bits(values: int) -> int:
 
 
 def _reads_mover(condition: ir.Expr) -> bool:
-    return any(isinstance(n, ir.Member) and n.sort.what == "mover" for n in ir.walk(condition))
+    return any(
+        isinstance(n, ir.Member) and n.entity_type.what == "mover" for n in ir.walk(condition)
+    )
 
 
 def shift_of(part: Part, w: Writer) -> Value:
@@ -82,27 +82,27 @@ def shift_of(part: Part, w: Writer) -> Value:
 def paint_planes(parts: tuple[Part, ...], by_id: bool, w: Writer) -> list[Name]:
     """Writes the planes of bytes with all that is seen of the cells of the map."""
     layout = w.module.layout
-    content = next(p for p in parts if p.name == "content")
+    by_name = {part.name: part for part in parts}
+    content = by_name["content"]
     numbers = {look.kind.name: look.raw << content.shift for look in looks(w.module.game)}
     comment = "looks of the cells of the frame, fields aside"
     base = w.module.constant("base", layout.base_table(numbers), comment)
     frame_cells = w.module.number("frame_cells", layout.rows * layout.cols)
     empty = zeros("u8", frame_cells)
     planes = []
-    for plane in range(1 + max(part.plane for part in parts)):
-        planes.append(w.bind(f"plane_{plane}", base if plane == content.plane else empty))
+    for number in range(1 + max(part.plane for part in parts)):
+        planes.append(w.bind(f"plane_{number}", base if number == content.plane else empty))
     _paint_fields(planes[content.plane], content, w)
-    for part in parts:
-        if part.marks is not None:
-            w.origin = part.marks.origin
-            bit = w.module.number(f"{part.name}_bit", 1 << part.shift)
-            painted = call("paint", planes[part.plane], path(f"state.{part.name}"), bit)
-            w.set(planes[part.plane], painted)
-    by_name = {part.name: part for part in parts}
-    for sort in body_sorts(w.module.game):
-        if sort.name in by_name:
-            part = by_name[sort.name]
-            _paint_bodies(planes[part.plane], part, sort, by_id, w)
+    for number, phase in enumerate(seen_marks(w.module.game)):
+        marks = by_name["marks"]
+        plane = planes[marks.plane]
+        w.origin = phase.origin
+        bit = w.module.number(f"mark_{phase.name}_bit", 1 << marks.shift + number)
+        w.set(plane, call("paint", plane, path(f"state.mark_{phase.name}"), bit))
+    for entity_type in body_types(w.module.game):
+        if entity_type.name in by_name:
+            part = by_name[entity_type.name]
+            _paint_bodies(planes[part.plane], part, entity_type, by_id, w)
     return planes
 
 
@@ -131,12 +131,14 @@ def _paint_fields(plane: Name, content: Part, w: Writer) -> None:
         w.set(plane, call("fill", plane, cells, shifted.node))
 
 
-def _paint_bodies(plane: Name, part: Part, sort: ir.Sort, by_id: bool, w: Writer) -> None:
+def _paint_bodies(
+    plane: Name, part: Part, entity_type: ir.EntityType, by_id: bool, w: Writer
+) -> None:
     """Writes where agents or movers are: their number, their heading, or 1."""
     game = w.module.game
-    is_agent = sort.what == "agent"
-    extent = w.module.extent(sort)
-    w.origin = game.agents.origin if is_agent else movers_named(game, sort.name).origin
+    is_agent = entity_type.what == "agent"
+    extent = w.module.extent(entity_type)
+    w.origin = game.agents.origin if is_agent else movers_named(game, entity_type.name).origin
     are_told_apart = by_id if is_agent else part.bits > 1
     if are_told_apart:
         shown = Value(Arange(extent, "u8"), "u8") + 1
@@ -145,7 +147,7 @@ def _paint_bodies(plane: Name, part: Part, sort: ir.Sort, by_id: bool, w: Writer
     else:
         shown = Value(call("jnp.ones", extent, path("jnp.uint8")), "u8")
     shifted = shown << shift_of(part, w)
-    w.set(plane, call("paint", plane, state_reads.positions(w, sort), shifted.node))
+    w.set(plane, call("paint", plane, state_reads.positions(w, entity_type), shifted.node))
 
 
 def look_number(first: Value, sizes: tuple[int, ...], values: list[Value]) -> Value:

@@ -3,30 +3,30 @@
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_of
 from sjdsl.compiler.lower.axes import (
+    TRUE,
+    Axes,
     Value,
     as_dtype,
-    axes_of,
     literal,
     looked_up,
     reduce,
     select,
     spread,
+    union,
     without,
 )
 from sjdsl.compiler.lower.draws import bits_of_each
 from sjdsl.compiler.lower.expressions import agent
-from sjdsl.compiler.lower.scope import IterationScope
+from sjdsl.compiler.lower.scope import AgentVar, IterationScope
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
-    Cast,
+    DType,
     Expression,
-    Literal,
     Part,
     Where,
     as_array,
     call,
     constant,
-    scalar,
     written,
     zeros,
 )
@@ -36,14 +36,29 @@ from sjdsl.runtime.actions import HEADINGS
 def per_agent(name: str, e: ir.Expr, scope: IterationScope, w: Writer) -> Expression:
     """Returns which agents a statement reaches, `[N]` bool, under a name."""
     who = agent(e, scope, w)
-    extent = w.module.extent(who.sort)
+    extent = w.module.extent(who.entity_type)
     if who.axis is not None:
         reached = reduce("any", scope.mask, without(scope.axes, (who.axis,)))
         node = reached.node if reached.axes else call("jnp.full", extent, reached.node)
     else:
-        at = w.keep(f"to_{who.sort.name}", select(scope.mask, who.index, extent))
-        node = written("set_at", zeros("bool", extent), (at.node,), Literal(True))
+        node = to_each(who, TRUE, scope, w)
     return w.keep_node(name, node, "bool")
+
+
+def to_each(
+    who: AgentVar, value: Value, scope: IterationScope, w: Writer, entries: Axes = ()
+) -> Expression:
+    """Returns a value for each agent that a statement reaches by computed numbers; 0 for others.
+
+    entries: the axes of one agent's value; `[N, *entries]`.
+    """
+    extent = w.module.extent(who.entity_type)
+    at = select(scope.mask, who.number, extent)
+    axes = union(at.axes, without(value.axes, entries))
+    places = w.keep_node(f"to_{who.entity_type.name}", spread(at, axes), "i32")
+    none = zeros(value.dtype, extent, *(axis.extent for axis in entries))
+    new = value.node if value.literal else spread(value, (*axes, *entries))
+    return written("set_at", none, (places,), new)
 
 
 def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> Expression:
@@ -53,17 +68,14 @@ def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> Expre
     any number.
     """
     who = agent(e, scope, w)
-    extent = w.module.extent(who.sort)
     if who.axis is None:
-        at = select(scope.mask, who.index, extent)
-        axes = axes_of(at, value)
-        places = w.keep_node(f"to_{who.sort.name}", spread(at, axes), "i32")
-        none = zeros("i32", extent)
-        return written("set_at", none, (places,), spread(value, axes))
+        return to_each(who, value, scope, w)
     if any(a != who.axis for a in value.axes):
         others = without(scope.axes, (who.axis,))
         value = reduce("max", select(scope.mask, value, 0), others)
-    return value.node if value.axes else call("jnp.full", extent, value.node)
+    if value.axes:
+        return value.node
+    return call("jnp.full", w.module.extent(who.entity_type), value.node)
 
 
 def way_of_each(
@@ -92,17 +104,17 @@ def turned(heading: Value, quarters: int) -> Value:
     return (heading + quarters) & 3 if quarters else heading
 
 
-def put(name: str, sort: ir.Sort, who: Expression, value: Part, w: Writer) -> None:
+def put(name: str, entity_type: ir.EntityType, who: Expression, value: Part, w: Writer) -> None:
     """Writes a new value of an attribute for some agents, or some movers of a name.
 
     who: which of them, `[N]` bool.
     """
-    attribute = attribute_of(name, sort)
+    attribute = attribute_of(name, entity_type)
     w.assign(attribute, Where(who, constant(value), w.current(attribute)))
 
 
 def turn(
-    sort: ir.Sort,
+    entity_type: ir.EntityType,
     who: Expression,
     facing: str | None,
     way: Expression | None,
@@ -116,18 +128,10 @@ def turn(
     """
     if facing == "same":
         return
-    is_byte = sort.what == "mover"
-    heading: Expression
-    if way is not None:
-        heading = Cast(way, "u8") if is_byte else way
-    elif facing is None:
+    if way is None and facing is not None:
+        way = w.module.number(facing, HEADINGS.index(facing))
+    elif way is None:
         assert stream is not None
-        bits = bits_of_each(stream, sort, w)
-        heading = call("below", bits, 4)
-        if is_byte:
-            heading = Cast(heading, "u8")
-    else:
-        heading = w.module.number(facing, HEADINGS.index(facing))
-        if is_byte:
-            heading = scalar(heading, "u8")
-    put("heading", sort, who, heading, w)
+        way = call("below", bits_of_each(stream, entity_type, w), 4)
+    dtype: DType = "u8" if entity_type.what == "mover" else "i32"
+    put("heading", entity_type, who, as_dtype(Value(way, "i32"), dtype).node, w)

@@ -4,7 +4,7 @@ from typing import TypeAlias
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
-from sjdsl.compiler.ir.queries import beginning_phases, body_sort
+from sjdsl.compiler.ir.queries import beginning_phases, body_type
 from sjdsl.compiler.lower.writer import Module
 
 
@@ -20,9 +20,9 @@ class Pool(Record):
         return self.send.domain.var.kinds
 
     @property
-    def sort(self) -> ir.Sort:
+    def entity_type(self) -> ir.EntityType:
         """Agents, or the movers, that are sent."""
-        return body_sort(self.send.who)
+        return body_type(self.send.who)
 
 
 Pools: TypeAlias = dict[str, tuple[Pool, ...]]  # by phase

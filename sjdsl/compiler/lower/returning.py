@@ -16,30 +16,31 @@ from sjdsl.compiler.lower.writer import Writer, replaced
 from sjdsl.compiler.program.expressions import Cast, Expression, Literal, Name, Where, call, path
 
 
-def bring_back(pools: Pools, sorts: list[ir.Sort], w: Writer) -> None:
+def bring_back(pools: Pools, entity_types: list[ir.EntityType], w: Writer) -> None:
     """Writes how delays count down, and how those come back whose delay is over.
 
-    They come back pool by pool, each onto the map as it then is. sorts: of those who can be away.
+    They come back pool by pool, each onto the map as it then is. entity_types: of those who can be
+    away.
     """
-    due = _count_down(sorts, w)
+    due = _count_down(entity_types, w)
     for pool in (p for of_phase in pools.values() for p in of_phase):
         if any(s.after is not None for s in sends_of(pool, w.module)):
             w.forget()
             w.origin = pool.send.origin
-            _bring_back_to(pool, due[pool.sort], w)
+            _bring_back_to(pool, due[pool.entity_type], w)
     w.forget()
     w.origin = None
 
 
-def _count_down(sorts: list[ir.Sort], w: Writer) -> dict[ir.Sort, Expression]:
+def _count_down(entity_types: list[ir.EntityType], w: Writer) -> dict[ir.EntityType, Expression]:
     """Writes the ticks that everybody is still away; returns who is due, `[N]` bool."""
-    due: dict[ir.Sort, Expression] = {}
+    due: dict[ir.EntityType, Expression] = {}
     left: dict[str, Expression] = {}
-    for sort in sorts:
-        attribute = attribute_of("away", sort)
+    for entity_type in entity_types:
+        attribute = attribute_of("away", entity_type)
         away = path(f"state.{attribute}")
-        is_nowhere = state_reads.positions(w, sort).eq(state_reads.nowhere(w).node)
-        due[sort] = w.bind("due", is_nowhere & away.eq(1))
+        is_nowhere = state_reads.positions(w, entity_type).eq(state_reads.nowhere(w).node)
+        due[entity_type] = w.bind("due", is_nowhere & away.eq(1))
         left[attribute] = away - Cast(is_nowhere & (away > 1), "i32")
     w.set(Name("state"), replaced("state", left))
     return due
@@ -47,30 +48,25 @@ def _count_down(sorts: list[ir.Sort], w: Writer) -> dict[ir.Sort, Expression]:
 
 def _bring_back_to(pool: Pool, due: Expression, w: Writer) -> None:
     """Writes how those come back who are due and were sent to a pool."""
-    sort = pool.sort
+    entity_type = pool.entity_type
 
     def stored(name: str) -> Expression:
-        return path(f"state.{attribute_of(name, sort)}")
+        return path(f"state.{attribute_of(name, entity_type)}")
 
     back = w.keep_node("back", due & stored("away_pool").eq(pool.number), "bool")
     fitting = _fitting_on_return(pool, w)
     free = free_cells(pool, None, fitting is None, w)
     arguments = [state_reads.cells_of(pool.kinds, w), free, back]
     for stream in (pool.send.cell_stream, pool.send.heading_stream):
-        arguments.append(bits_of_each(stream ^ ir.RETURN, sort, w))
+        arguments.append(bits_of_each(stream ^ ir.RETURN, entity_type, w))
     arguments += [stored("position"), stored("heading"), stored("away_facing")]
     if fitting is not None:
         arguments.append(fitting)
-    position = w.fresh(attribute_of("position", sort))
-    heading = w.fresh(attribute_of("heading", sort))
-    placed = w.fresh("placed")
-    w.unpack((position, heading, placed), call("come_back", *arguments))
-    changes: dict[str, Expression] = {
-        attribute_of("position", sort): position,
-        attribute_of("heading", sort): heading,
-        attribute_of("away", sort): Where(placed, Literal(0), stored("away")),
-    }
-    w.set(Name("state"), replaced("state", changes))
+    names = [attribute_of(name, entity_type) for name in ("position", "heading", "away")]
+    come_back = call("come_back", *arguments)
+    position, heading, placed = w.keep_parts((*names[:2], "placed"), come_back)
+    values = (position, heading, Where(placed, Literal(0), stored("away")))
+    w.set(Name("state"), replaced("state", dict(zip(names, values, strict=True))))
 
 
 def _fitting_on_return(pool: Pool, w: Writer) -> Expression | None:
@@ -82,9 +78,9 @@ def _fitting_on_return(pool: Pool, w: Writer) -> Expression | None:
     named = variables_around(s.domain)
     if not named:
         return None
-    agents = w.axis(pool.sort.name, w.module.extent(pool.sort))
+    agents = w.axis(pool.entity_type.name, w.module.extent(pool.entity_type))
     axis = w.axis("destination", w.module.num_cells(s.domain.var.kinds))
-    everybody = AgentVar(iota(agents), agents, pool.sort)
+    everybody = AgentVar(iota(agents), agents, pool.entity_type)
     variables: dict[str, Variable] = {variable.name: everybody for variable in named}
     scope = IterationScope(axes=(agents,), variables=variables)
     fits = spread(fitting_cells(s, axis, scope, w), (agents, axis))

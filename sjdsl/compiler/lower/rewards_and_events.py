@@ -48,7 +48,7 @@ def give(s: ir.Give, scope: IterationScope, w: Writer) -> None:
         return
     reached = scope.mask
     if s.but is not None:
-        is_left_out = one_hot(agent(s.but, scope, w).index, w.axis("receiver", w.module.agents))
+        is_left_out = one_hot(agent(s.but, scope, w).number, w.axis("receiver", w.module.agents))
         reached = scope.mask & ~is_left_out
     deliver("reward", _summed(reached, amount, scope.axes, w, name), w)
 
@@ -125,10 +125,10 @@ def _received(e: ir.Expr, amount: Value, scope: IterationScope, w: Writer, name:
         return _summed(scope.mask, amount, without(scope.axes, (who.axis,)), w, name)
     if by_bits:
         return _counted(_alone(who, scope, w), amount, axis, scope, w, name)
-    if scope.mask == TRUE or not who.index.axes:
-        reached = scope.mask & one_hot(who.index, axis)
+    if scope.mask == TRUE or not who.number.axes:
+        reached = scope.mask & one_hot(who.number, axis)
         return _summed(reached, amount, scope.axes, w, name)
-    return _summed_by_agent(who.index, amount, axis, scope, w, name)
+    return _summed_by_agent(who.number, amount, axis, scope, w, name)
 
 
 def _summed_by_agent(
@@ -149,8 +149,8 @@ def _alone(who: AgentVar, scope: IterationScope, w: Writer) -> Value:
     """Returns an agent of each instance as a set of one, empty if the instance does not happen."""
     if who.alone is None:
         dtype = w.module.set_dtype
-        bit = scalar(Literal(1), dtype) << as_dtype(who.index, dtype).node
-        return select(scope.mask, replace(who.index, node=bit, dtype=dtype), 0)
+        bit = scalar(Literal(1), dtype) << as_dtype(who.number, dtype).node
+        return select(scope.mask, replace(who.number, node=bit, dtype=dtype), 0)
     members = who.alone.members
     named_mask = w.keep("active", who.alone.mask)  # as a block may have named it
     if scope.mask in (who.alone.mask, named_mask):

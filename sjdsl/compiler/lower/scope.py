@@ -5,8 +5,8 @@ from dataclasses import field, replace
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Span
-from sjdsl.compiler.ir.sorts import AGENTS, Sort
-from sjdsl.compiler.lower.axes import TRUE, Axes, Axis, Value
+from sjdsl.compiler.ir.entity_types import AGENTS, EntityType
+from sjdsl.compiler.lower.axes import TRUE, Axes, Axis, Value, iota
 from sjdsl.compiler.program.expressions import Literal
 
 
@@ -33,31 +33,27 @@ class SetOfOne(Record):
 class AgentVar(Record):
     """Agents or movers: along `axis`, each once in order, or as computed numbers.
 
-    index: their numbers. alone: each as a set of one, if that has been computed.
+    number: their numbers among all of the type. alone: each as a set of one, if that has been
+      computed.
     """
 
-    index: Value
+    number: Value
     axis: Axis | None = None
-    sort: Sort = AGENTS
+    entity_type: EntityType = AGENTS
     alone: SetOfOne | None = None
-
-    @property
-    def number(self) -> Value:
-        """The number of the agent or mover among all of its sort."""
-        return self.index
 
 
 class CellVar(Record):
     """Cells of `kinds`: along `axis`, each once in order, or as computed numbers.
 
-    site: their numbers among the cells of `kinds`, or how many there are for no such cell.
+    number: their numbers among the cells of `kinds`, or how many there are for no such cell.
     painted: for cells of windows, the fields whose values are known, by name; `seen` then has the
       axes of observers and of a window's cells.
     beside: whether this is one of the cells around each cell. Its fields are then parameters of a
       function, which the writer collects.
     """
 
-    site: Value
+    number: Value
     kinds: tuple[str, ...]
     axis: Axis | None = None
     painted: tuple[tuple[str, Value], ...] | None = None
@@ -65,13 +61,8 @@ class CellVar(Record):
     beside: bool = False
 
     @property
-    def sort(self) -> Sort:
-        return Sort("cell", self.kinds)
-
-    @property
-    def number(self) -> Value:
-        """The number of the cell among those of its kinds."""
-        return self.site
+    def entity_type(self) -> EntityType:
+        return EntityType("cell", self.kinds)
 
 
 Variable = AgentVar | CellVar
@@ -79,9 +70,9 @@ Variable = AgentVar | CellVar
 
 def numbered(var: ir.Member, number: Value) -> Variable:
     """Returns the agents, movers or cells that a variable of a domain is, by their numbers."""
-    if var.sort.what == "cell":
+    if var.entity_type.what == "cell":
         return CellVar(number, var.kinds)
-    return AgentVar(number, sort=var.sort)
+    return AgentVar(number, entity_type=var.entity_type)
 
 
 class IterationScope(Record):
@@ -112,3 +103,8 @@ class IterationScope(Record):
     def letting(self, name: str, value: Value) -> "IterationScope":
         """Returns this scope with one more local value."""
         return replace(self, locals={**self.locals, name: value})
+
+
+def scope_of_agents(axes: Axes) -> IterationScope:
+    """Returns the scope of what is about `agent`, who is along the first axis."""
+    return IterationScope(axes=axes, variables={"agent": AgentVar(iota(axes[0]), axes[0])})

@@ -75,7 +75,7 @@ def pick(
         there = inner.mask
         return inner.when(scope.mask).when(there & (number > 0)), ~there, s.body
     member = inner.variables[s.domain.var.name]
-    total = w.module.extent(member.sort)
+    total = w.module.extent(member.entity_type)
     if isinstance(member, CellVar) and isinstance(s.domain.restriction, ir.Near):
         total = inner.axes[-1].extent
     if number == literal(1, "i32"):
@@ -114,7 +114,7 @@ def _pick_several(
             limit = first_limit(branch.test, inner, w)
             if not limit.axes:  # the same for all members
                 stream = w.stream(chance.stream)
-                chosen = call("choose_by_chance", *arguments, KEY, stream, limit.node)
+                chosen = call("choose", *arguments, KEY, stream, limit.node)
                 body = branch.body
     w.origin = s.origin
     taken = w.keep("taken", Value(chosen, "bool", mask.axes))
@@ -144,10 +144,9 @@ def _pick_one(
         else:
             kernel = "pick_of_large_set" if members.levels else "pick_of_set"
             source = aligned(members, axes)
-        results = (w.fresh(name), w.fresh("found"))
-        w.unpack(results, call(kernel, source, drawn))
-        picked = Value(results[0], "i32", axes)
-        exists = Value(results[1], "bool", axes)
+        who, has_member = w.keep_parts((name, "found"), call(kernel, source, drawn))
+        picked = Value(who, "i32", axes)
+        exists = Value(has_member, "bool", axes)
         number = picked
         if member.axis is None:  # it is a cell's place in a shape
             number = _take(member.number, axis, picked)
@@ -269,15 +268,15 @@ def nearest(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[IterationSc
 def _candidates(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[Variable, Value]:
     """Returns who is on each cell of the shape, along its axis, and whether somebody is."""
     assert isinstance(d.restriction, ir.Near)
-    if d.var.sort.what == "cell":
+    if d.var.entity_type.what == "cell":
         site, exists = sites_in(d.restriction, d.var.kinds, scope, w, d.var.name)
         return CellVar(site, d.var.kinds), exists
     swept = sweep(d.restriction, scope, w)
-    on_cells = stand_on(swept.cells, state_reads.positions(w, d.var.sort))
+    on_cells = stand_on(swept.cells, state_reads.positions(w, d.var.entity_type))
     standing = w.keep_node("standing", on_cells, "bool")
     axes = swept.cells.axes
     who = w.keep(d.var.name, Value(reduction("argmax", standing, (-1,)), "i32", axes))
     anybody = w.keep("anybody", Value(reduction("any", standing, (-1,)), "bool", axes))
     if has_inner_blocks(w.module.shape(d.restriction.shape), w):
         anybody = anybody & swept.ok
-    return AgentVar(who, sort=d.var.sort), anybody
+    return AgentVar(who, entity_type=d.var.entity_type), anybody

@@ -8,21 +8,19 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.free_variables import variables_around
 from sjdsl.compiler.ir.names import attribute_of
-from sjdsl.compiler.ir.queries import body_sort
+from sjdsl.compiler.ir.queries import body_type
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
     Value,
     as_dtype,
     reduce,
-    select,
     spread,
-    union,
     without,
 )
 from sjdsl.compiler.lower.draws import bits_of_each
 from sjdsl.compiler.lower.expressions import agent
 from sjdsl.compiler.lower.free_cells import fitting_cells, free_cells
-from sjdsl.compiler.lower.per_agent import of_each, per_agent, put, turn, way_of_each
+from sjdsl.compiler.lower.per_agent import of_each, per_agent, put, to_each, turn, way_of_each
 from sjdsl.compiler.lower.pools import Pool, sends_of
 from sjdsl.compiler.lower.scope import IterationScope
 from sjdsl.compiler.lower.shifting import Shifted, settle, shifted
@@ -33,8 +31,6 @@ from sjdsl.compiler.program.expressions import (
     Name,
     call,
     scalar,
-    written,
-    zeros,
 )
 from sjdsl.runtime.actions import ANY_HEADING, HEADINGS, SAME_HEADING
 
@@ -69,7 +65,7 @@ class Sends:
     pools: tuple[Pool, ...]
     now: dict[int, list[Sent]] = field(default_factory=dict)
     away: list[Leaving] = field(default_factory=list)
-    removed: list[tuple[ir.Sort, Expression]] = field(default_factory=list)
+    removed: list[tuple[ir.EntityType, Expression]] = field(default_factory=list)
     shifted: list[Shifted] = field(default_factory=list)
 
     def add(self, s: ir.Send, scope: IterationScope, w: Writer) -> None:
@@ -96,7 +92,7 @@ class Sends:
 
     def remove(self, s: ir.Remove, scope: IterationScope, w: Writer) -> None:
         removed = per_agent("removed", s.who, scope, w)
-        self.removed.append((body_sort(s.who), removed))
+        self.removed.append((body_type(s.who), removed))
 
 
 def _fitting(s: ir.Send, scope: IterationScope, w: Writer) -> Expression | None:
@@ -114,13 +110,7 @@ def _fitting(s: ir.Send, scope: IterationScope, w: Writer) -> Expression | None:
         if any(a in fits.axes for a in others):  # all who send the agent agree on its cells
             fits = reduce("any", scope.mask & fits, others)
         return w.keep_node("fitting", spread(fits, (who.axis, axis)), "bool")
-    axes = union(who.index.axes, scope.mask.axes, without(fits.axes, (axis,)))
-    extent = w.module.extent(who.sort)
-    index = select(scope.mask, who.index, extent)
-    places = w.keep_node(f"to_{who.sort.name}", spread(index, axes), "i32")
-    none = zeros("bool", extent, axis.extent)
-    table = written("set_at", none, (places,), spread(fits, (*axes, axis)))
-    return w.keep_node("fitting", table, "bool")
+    return w.keep_node("fitting", to_each(who, fits, scope, w, (axis,)), "bool")
 
 
 def _delays(s: ir.Send, delay: Value, scope: IterationScope, w: Writer) -> Expression:
@@ -145,17 +135,17 @@ def finish(sends: Sends, w: Writer) -> None:
             entered.append((pool, placed))
     for leaving in sends.away:
         w.origin = leaving.send.origin
-        sort = leaving.pool.sort
-        put("position", sort, leaving.who, state_reads.nowhere(w).node, w)
-        put("away", sort, leaving.who, leaving.delays, w)
-        put("away_pool", sort, leaving.who, leaving.pool.number, w)
+        entity_type = leaving.pool.entity_type
+        put("position", entity_type, leaving.who, state_reads.nowhere(w).node, w)
+        put("away", entity_type, leaving.who, leaving.delays, w)
+        put("away_pool", entity_type, leaving.who, leaving.pool.number, w)
         facing = _facing(leaving.send, w) if leaving.way is None else leaving.way
-        put("away_facing", sort, leaving.who, facing, w)
+        put("away_facing", entity_type, leaving.who, facing, w)
     w.origin = None
-    for sort, removed in sends.removed:
-        put("position", sort, removed, state_reads.nowhere(w).node, w)
-        if w.module.stores_away(sort):
-            put("away", sort, removed, 0, w)
+    for entity_type, removed in sends.removed:
+        put("position", entity_type, removed, state_reads.nowhere(w).node, w)
+        if w.module.stores_away(entity_type):
+            put("away", entity_type, removed, 0, w)
     if sends.shifted:
         settle(sends.shifted, w)
 
@@ -183,9 +173,9 @@ def _place_pool(pool: Pool, sends: Sends, entered: list[tuple[Pool, Name]], w: W
     placed = place(pool, sent, leaving, _fitting_of_all(parts), w, entered)
     for part in parts:
         who = placed if len(parts) == 1 else part.who & placed
-        turn(pool.sort, who, part.send.facing, part.way, pool.send.heading_stream, w)
-    if w.module.stores_away(pool.sort):
-        put("away", pool.sort, placed, 0, w)
+        turn(pool.entity_type, who, part.send.facing, part.way, pool.send.heading_stream, w)
+    if w.module.stores_away(pool.entity_type):
+        put("away", pool.entity_type, placed, 0, w)
     return placed
 
 
@@ -210,18 +200,15 @@ def place(
     sent: who is placed, `[N]` bool. leaving, entered: see `free_cells`. fitting: which cells fit
     each agent, `[N, S]` bool; None where the same fit all.
     """
-    attribute = attribute_of("position", pool.sort)
+    attribute = attribute_of("position", pool.entity_type)
     free = free_cells(pool, leaving, fitting is None, w, entered)
     placed = w.fresh("placed")
     before = w.current(attribute)
     position = w.changed.get(attribute) or w.fresh(attribute)
     assert isinstance(position, Name)
     w.changed[attribute] = position
-    bits = bits_of_each(pool.send.cell_stream, pool.sort, w)
+    bits = bits_of_each(pool.send.cell_stream, pool.entity_type, w)
     cells = state_reads.cells_of(pool.kinds, w)
-    if fitting is None:
-        result = call("place", cells, free, bits, before, sent)
-    else:
-        result = call("place_fitting", cells, free, fitting, bits, before, sent)
-    w.unpack((position, placed), result)
+    own = () if fitting is None else (fitting,)
+    w.unpack((position, placed), call("place", cells, free, bits, before, sent, *own))
     return placed

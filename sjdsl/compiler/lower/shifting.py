@@ -8,7 +8,7 @@ from dataclasses import replace
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.ir.names import attribute_of
-from sjdsl.compiler.ir.queries import body_sort, body_sorts
+from sjdsl.compiler.ir.queries import body_type, body_types
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
     FALSE,
@@ -184,7 +184,7 @@ def _is_free(number_of: ir.Type, who: AgentVar, course: _Course, steps: Value, w
 
 def _is_open(cells: Value, who: AgentVar, w: Writer) -> Value:
     """Returns which cells of the frame are on the map and do not block the agent or mover."""
-    name = who.sort.plural
+    name = who.entity_type.plural
     layout = w.module.layout
     is_open = is_inside(cells, w)
     if layout.count(layout.blocking_glyphs(name)):
@@ -200,30 +200,30 @@ def settle(moves: list[Shifted], w: Writer) -> None:
     Movers are settled name by name, then agents: each group finds the others where these then
     are, and those whom `send ... to KIND` has placed already.
     """
-    agents, *movers = body_sorts(w.module.game)
-    for sort in (*movers, agents):
-        of_sort = [move for move in moves if body_sort(move.statement.who) == sort]
-        if of_sort:
-            _settle_sort(sort, of_sort, w)
+    agents, *movers = body_types(w.module.game)
+    for entity_type in (*movers, agents):
+        of_type = [move for move in moves if body_type(move.statement.who) == entity_type]
+        if of_type:
+            _settle_type(entity_type, of_type, w)
     w.origin = None
 
 
-def _settle_sort(sort: ir.Sort, moves: list[Shifted], w: Writer) -> None:
+def _settle_type(entity_type: ir.EntityType, moves: list[Shifted], w: Writer) -> None:
     """Moves the agents, or the movers of a type, that a phase shifts, to where nobody keeps them
     out.
     """
-    position = attribute_of("position", sort)
-    extent = w.module.extent(sort)
+    position = attribute_of("position", entity_type)
+    extent = w.module.extent(entity_type)
     before = w.bind("before", w.current(position))
     targets: Expression = before
     ranks: Expression = zeros("u32", extent)
     for move in moves:
         w.origin = move.statement.origin
-        bits = bits_of_each(move.statement.stream, sort, w)
+        bits = bits_of_each(move.statement.stream, entity_type, w)
         targets = Where(move.who, move.target, targets)
         ranks = bits if len(moves) == 1 else Where(move.who, bits, ranks)
-    for other in body_sorts(w.module.game):
-        if other != sort:  # who stands on a cell keeps it
+    for other in body_types(w.module.game):
+        if other != entity_type:  # who stands on a cell keeps it
             taken = call("is_one_of", targets, w.current(attribute_of("position", other)))
             targets = Where(taken, before, targets)
     resolved = call("resolve", before, targets, ranks, exchange=True)
@@ -231,4 +231,4 @@ def _settle_sort(sort: ir.Sort, moves: list[Shifted], w: Writer) -> None:
     has_moved = w.current(position).ne(before)
     for move in moves:
         s = move.statement
-        turn(sort, move.who & has_moved, s.facing, move.way, s.heading_stream, w)
+        turn(entity_type, move.who & has_moved, s.facing, move.way, s.heading_stream, w)

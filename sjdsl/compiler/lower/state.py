@@ -3,15 +3,15 @@
 from math import isfinite
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.entity_types import Level
 from sjdsl.compiler.ir.names import attribute_name, attribute_of, param_attribute
 from sjdsl.compiler.ir.queries import (
     all_fields,
-    body_sorts,
+    body_types,
     counts_of,
     marking_phases,
     written_field,
 )
-from sjdsl.compiler.ir.sorts import Level
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.expressions import nobody
 from sjdsl.compiler.lower.statements import mark_size
@@ -36,8 +36,8 @@ def state_fields(game: ir.Game, w: Writer) -> list[Field]:
     """Returns the attributes of State."""
     zero = call("jnp.int32", 0)
     fields = [Field("step", "[]", "int32", "finished steps of this episode", zero)]
-    for sort in body_sorts(game):
-        fields += _pose_fields(sort, w)
+    for entity_type in body_types(game):
+        fields += _pose_fields(entity_type, w)
     fields += [_field(field, game, w) for field in all_fields(game)]
     for phase in marking_phases(game):
         size = mark_size(phase, game)
@@ -49,28 +49,30 @@ def state_fields(game: ir.Game, w: Writer) -> list[Field]:
     return fields
 
 
-def _pose_fields(sort: ir.Sort, w: Writer) -> list[Field]:
+def _pose_fields(entity_type: ir.EntityType, w: Writer) -> list[Field]:
     """Returns where agents, or the movers of a name, are and look.
 
     The heading of a mover is a field of the game.
     """
-    extent = w.module.extent(sort)
-    is_agent = sort.what == "agent"
+    extent = w.module.extent(entity_type)
+    is_agent = entity_type.what == "agent"
     shape = "[N]" if is_agent else f"[{extent.size}]"
 
     def of_each(name: str, meaning: str) -> Field:
         none = zeros("i32", extent)
-        return Field(attribute_of(name, sort), shape, "int32", meaning, none)
+        return Field(attribute_of(name, entity_type), shape, "int32", meaning, none)
 
-    fields = [of_each("position", f"cell of each {sort.name} in the padded frame; 0: nowhere")]
+    fields = [
+        of_each("position", f"cell of each {entity_type.name} in the padded frame; 0: nowhere")
+    ]
     if is_agent:
         fields.append(of_each("heading", "0 north, 1 east, 2 south, 3 west"))
-    if w.module.stores_moved(sort):
+    if w.module.stores_moved(entity_type):
         no = zeros("bool", extent)
         meaning = "did the last movement change the cell"
-        fields.append(Field(attribute_of("moved", sort), shape, "bool_", meaning, no))
-    if w.module.stores_away(sort):
-        one = f"an {sort.name}" if is_agent else f"a {sort.name}"
+        fields.append(Field(attribute_of("moved", entity_type), shape, "bool_", meaning, no))
+    if w.module.stores_away(entity_type):
+        one = f"an {entity_type.name}" if is_agent else f"a {entity_type.name}"
         fields.append(of_each("away", f"ticks until {one} that is nowhere returns; 0: never"))
         fields.append(of_each("away_pool", "where it was sent"))
         fields.append(of_each("away_facing", "heading it will have; 4: any, 5: the same"))

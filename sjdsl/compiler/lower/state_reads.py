@@ -5,9 +5,9 @@ from dataclasses import replace
 from math import prod
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.names import attribute_name, attribute_of
-from sjdsl.compiler.ir.queries import body_sorts, sets
-from sjdsl.compiler.ir.sorts import AGENTS
+from sjdsl.compiler.ir.queries import body_types, sets
 from sjdsl.compiler.lower.axes import TRUE, Axis, Value, as_dtype, looked_up, select
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
 from sjdsl.compiler.lower.writer import Writer
@@ -46,7 +46,7 @@ def field(e: ir.FieldRead, owner: Variable | None, w: Writer) -> Value:
     if declared.type.kind == "word":
         stored = as_dtype(stored, "u8")
     if isinstance(owner, CellVar) and owner.beside:
-        stored = replace(stored, node=w.beside(stored.node), axes=owner.site.axes)
+        stored = replace(stored, node=w.beside(stored.node), axes=owner.number.axes)
     elif owner is not None:
         stored = _looked_up(owner, stored, w)
     return _widened(stored, declared.type)
@@ -58,10 +58,10 @@ def _looked_up(owner: Variable, stored: Value, w: Writer) -> Value:
     For many computed cells the field is computed in memory first.
     """
     if isinstance(owner, CellVar) and owner.axis is None:
-        number = prod(a.size for a in owner.site.axes)
+        number = prod(a.size for a in owner.number.axes)
         if number >= max(MANY, w.module.layout.num_cells(owner.kinds)):
-            node = call("looked_up", stored.node, owner.site.node)
-            return replace(stored, node=node, axes=owner.site.axes)
+            node = call("looked_up", stored.node, owner.number.node)
+            return replace(stored, node=node, axes=owner.number.axes)
     return _of(owner, stored)
 
 
@@ -119,7 +119,7 @@ def timer_bound(declared: ir.VarField, nodes: Iterable[ir.Node]) -> float:
     bounds = [0.0]
     for node in nodes:
         match node:
-            case ir.GlyphMeaning() if declared.held_by == ir.Sort("cell", (node.kind,)):
+            case ir.GlyphMeaning() if declared.held_by == ir.EntityType("cell", (node.kind,)):
                 for name, value in node.starts:
                     if name == declared.name and isinstance(value, int):
                         bounds.append(value)
@@ -130,7 +130,7 @@ def timer_bound(declared: ir.VarField, nodes: Iterable[ir.Node]) -> float:
 
 def position(owner: AgentVar, w: Writer) -> Value:
     """Returns the cells of agents."""
-    at = _of(owner, Value(positions(w, owner.sort), "i32"))
+    at = _of(owner, Value(positions(w, owner.entity_type), "i32"))
     return at if owner.axis is not None else w.keep("position", at)
 
 
@@ -141,20 +141,20 @@ def location(variable: Variable, w: Writer) -> Value:
 
 def heading(owner: AgentVar, w: Writer) -> Value:
     """Returns the headings of agents or movers, int32."""
-    stored = w.stored(attribute_of("heading", owner.sort))
-    if owner.sort.what == "mover":  # a field of words, and so a byte
+    stored = w.stored(attribute_of("heading", owner.entity_type))
+    if owner.entity_type.what == "mover":  # a field of words, and so a byte
         return as_dtype(_of(owner, Value(stored, "u8")), "i32")
     return _of(owner, Value(stored, "i32"))
 
 
 def moved(owner: AgentVar, w: Writer) -> Value:
     """Returns whether the last movement changed the cells of agents."""
-    return _of(owner, Value(w.stored(attribute_of("moved", owner.sort)), "bool"))
+    return _of(owner, Value(w.stored(attribute_of("moved", owner.entity_type)), "bool"))
 
 
 def present(owner: AgentVar, w: Writer) -> Value:
     """Returns who is on the map."""
-    if not w.module.can_be_away(owner.sort) or w.starting:
+    if not w.module.can_be_away(owner.entity_type) or w.starting:
         return TRUE
     return w.keep("present", position(owner, w).ne(nowhere(w)))
 
@@ -164,23 +164,25 @@ def nowhere(w: Writer) -> Value:
     return Value(w.module.number("nowhere", 0, "the cell of agents that are not on the map"), "i32")
 
 
-def positions(w: Writer, sort: ir.Sort = AGENTS) -> Expression:
+def positions(w: Writer, entity_type: ir.EntityType = AGENTS) -> Expression:
     """Returns the cells of all agents, or of all movers of a name."""
-    return w.stored(attribute_of("position", sort))
+    return w.stored(attribute_of("position", entity_type))
 
 
-def everybody(w: Writer, sort: ir.Sort) -> AgentVar:
+def everybody(w: Writer, entity_type: ir.EntityType) -> AgentVar:
     """Returns all agents or movers, for expressions that don't read their numbers."""
-    extent = w.module.extent(sort)
-    return AgentVar(Value(Name(sort.plural), "i32"), Axis("", extent.size, 0, extent.name), sort)
+    extent = w.module.extent(entity_type)
+    return AgentVar(
+        Value(Name(entity_type.plural), "i32"), Axis("", extent.size, 0, extent.name), entity_type
+    )
 
 
-def all_positions(w: Writer, but: ir.Sort | None = None) -> Expression:
-    """Returns the cells of all agents and movers, perhaps without those of one sort."""
-    sorts = [sort for sort in body_sorts(w.module.game) if sort != but]
-    if len(sorts) == 1:
-        return positions(w, sorts[0])
-    parts = [positions(w, sort) for sort in sorts]
+def all_positions(w: Writer, but: ir.EntityType | None = None) -> Expression:
+    """Returns the cells of all agents and movers, perhaps without those of one type."""
+    entity_types = [entity_type for entity_type in body_types(w.module.game) if entity_type != but]
+    if len(entity_types) == 1:
+        return positions(w, entity_types[0])
+    parts = [positions(w, entity_type) for entity_type in entity_types]
     name = "bodies" if but is None else "others"
     return w.keep_node(name, call("jnp.concatenate", parts), "i32")
 

@@ -4,8 +4,8 @@ from dataclasses import replace
 from typing import assert_never
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.queries import shape_named
-from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.lower.assignments import add, set_
 from sjdsl.compiler.lower.axes import FALSE, TRUE, joined, reduce, select, without
 from sjdsl.compiler.lower.condition_names import condition_name, domain_name

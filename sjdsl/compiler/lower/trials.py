@@ -60,7 +60,7 @@ def _kept_attributes(game: ir.Game, trials: ir.Trials) -> list[str]:
     """Returns the attributes of State that are kept, those of the task too, but not `trial`."""
     kept = {(field.held_by, field.name) for field in trials.kept}
     if game.task is not None:
-        kept |= {(ir.Sort("world"), name) for name in game.task.fields}
+        kept |= {(ir.EntityType("world"), name) for name in game.task.fields}
     fields = [field for field in all_fields(game) if (field.held_by, field.name) in kept]
     return [attribute_name(field) for field in fields]
 

@@ -11,18 +11,18 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.diagnostics.tree import walk
+from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.names import RESERVED, Names, attribute_name, identifier
 from sjdsl.compiler.ir.queries import (
     all_fields,
-    body_sort,
-    body_sorts,
+    body_type,
+    body_types,
     can_be_away,
     declared_field,
     movers_named,
     shape_named,
     shows_attribute,
 )
-from sjdsl.compiler.ir.sorts import AGENTS
 from sjdsl.compiler.lower.axes import Axis, Value, literal
 from sjdsl.compiler.lower.deciding import Deciding, deciding
 from sjdsl.compiler.lower.map_tables import Layout
@@ -187,19 +187,19 @@ class Module:
         """How many agents there are."""
         return Literal(self.num_agents, "NUM_AGENTS")
 
-    def extent(self, sort: ir.Sort) -> Literal:
+    def extent(self, entity_type: ir.EntityType) -> Literal:
         """Returns how many agents, movers of a name or cells of some kinds there are."""
-        match sort.what:
+        match entity_type.what:
             case "agent":
                 return self.agents
             case "mover":
-                name = sort.name
+                name = entity_type.name
                 number = movers_named(self.game, name).number
                 return self.number(f"num_{name}", number, f"movers {name}", "size")
             case "cell":
-                return self.num_cells(sort.names)
+                return self.num_cells(entity_type.names)
             case "world":
-                raise AssertionError(sort)
+                raise AssertionError(entity_type)
 
     @property
     def frame_cols(self) -> Literal:
@@ -230,31 +230,35 @@ class Module:
             return (Literal(self.numbers_per_set),)
         return ()
 
-    def can_be_away(self, sort: ir.Sort = AGENTS) -> bool:
+    def can_be_away(self, entity_type: ir.EntityType = AGENTS) -> bool:
         """Returns whether agents, or movers of a name, can be off the map during a step."""
-        return sort in self._leaving
+        return entity_type in self._leaving
 
     @cached_property
-    def _leaving(self) -> frozenset[ir.Sort]:
-        return frozenset(sort for sort in body_sorts(self.game) if can_be_away(self.game, sort))
+    def _leaving(self) -> frozenset[ir.EntityType]:
+        return frozenset(
+            entity_type
+            for entity_type in body_types(self.game)
+            if can_be_away(self.game, entity_type)
+        )
 
-    def stores_away(self, sort: ir.Sort = AGENTS) -> bool:
+    def stores_away(self, entity_type: ir.EntityType = AGENTS) -> bool:
         """Returns whether an agent, or a mover of a name, can be sent away for some ticks."""
-        return any(s.after is not None and body_sort(s.who) == sort for s in self.sends)
+        return any(s.after is not None and body_type(s.who) == entity_type for s in self.sends)
 
     @cached_property
     def sends(self) -> tuple[ir.Send, ...]:
         """All statements that send agents somewhere, in the order of the game."""
         return tuple(n for n in self.nodes if isinstance(n, ir.Send))
 
-    def stores_moved(self, sort: ir.Sort) -> bool:
+    def stores_moved(self, entity_type: ir.EntityType) -> bool:
         """Returns whether a rule or an observation reads `moved` of agents, or of movers."""
-        if sort.what == "agent":
+        if entity_type.what == "agent":
             for observable in self.game.observables:
                 if shows_attribute(observable) and observable.field == "moved":
                     return True
         reads = [n for n in self.nodes if isinstance(n, ir.Attribute) and n.name == "moved"]
-        return any(body_sort(read.owner) == sort for read in reads)
+        return any(body_type(read.owner) == entity_type for read in reads)
 
     @cached_property
     def nodes(self) -> tuple[ir.Node, ...]:

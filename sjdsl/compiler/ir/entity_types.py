@@ -1,11 +1,11 @@
-"""Sorts: what a thing is, and what the entries of a row are told apart by."""
+"""Entity types: what a thing is, and what the entries of a row are told apart by."""
 
 from typing import Literal
 
 from sjdsl.compiler.diagnostics.frozen import Record
 
 
-class Sort(Record):
+class EntityType(Record):
     """What a thing is: an agent, a mover, a cell, or the world, of which there is one.
 
     names: the name of the movers, or the kinds that the cell may be of; none of agents and the
@@ -17,7 +17,7 @@ class Sort(Record):
 
     @property
     def name(self) -> str:
-        """The word for one of the sort.
+        """The word for one of the type.
 
         `agent`, `world`, the name of the movers or of the one kind of cell.
         """
@@ -25,17 +25,17 @@ class Sort(Record):
 
     @property
     def plural(self) -> str:
-        """The word for all of the sort: `agents`; movers are spoken of by their name."""
+        """The word for all of the type: `agents`; movers are spoken of by their name."""
         return "agents" if self.what == "agent" else self.name
 
-    def overlaps(self, other: "Sort") -> bool:
-        """Returns whether a thing can be of both sorts."""
+    def overlaps(self, other: "EntityType") -> bool:
+        """Returns whether a thing can be of both types."""
         return self.what == other.what and (
             self.names == other.names or not set(self.names).isdisjoint(other.names)
         )
 
 
-AGENTS = Sort("agent")
+AGENTS = EntityType("agent")
 
 
 class Level(Record):
