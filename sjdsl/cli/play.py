@@ -46,6 +46,7 @@ from sjdsl.render.moment import Moment, moment_of
 from sjdsl.render.readings import agent_readings, join_readings, world_readings
 from sjdsl.replay import Recording, save_recording
 from sjdsl.replay.recording import with_tasks_played
+from sjdsl.runtime.episode_keys import EpisodeKeys
 from sjdsl.trace.choices import Chosen, chooser
 from sjdsl.trace.jax_random import keys_of
 from sjdsl.trace.rules import Rules
@@ -340,7 +341,6 @@ def play_compiled(
     import jax.numpy as jnp
 
     from sjdsl.replay import EpisodePlayer
-    from sjdsl.runtime.episode_keys import EpisodeKeys
     from sjdsl.runtime.policy import compiled_actions, with_memory
 
     player = EpisodePlayer(env, seed)

@@ -122,6 +122,8 @@ def warnings_as_notes() -> Iterator[None]:
     """Prints each warning as a line that begins with `note:`."""
     with warnings.catch_warnings(record=True) as notes:
         warnings.simplefilter("always")
-        yield
-    for note in notes:
-        click.echo(f"note: {note.message}", err=True)
+        try:
+            yield
+        finally:
+            for note in notes:
+                click.echo(f"note: {note.message}", err=True)

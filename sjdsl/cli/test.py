@@ -1,7 +1,7 @@
 """`sjdsl test`: tests the checks of games and prints a verdict on each, as soon as it is known."""
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict
 from pathlib import PurePath
 from typing import Any
@@ -94,7 +94,8 @@ def command(
 class FileTest:
     """The test of the checks of one file.
 
-    `say` prints lines. `report` is empty until all checks have a verdict.
+    `say` prints lines. `report` is empty until all checks have a verdict; `decided` has the
+    verdicts so far, by the number of their check.
     """
 
     def __init__(self, file: str, variant: str | None, effort: Effort, say: Callable[[str], None]):
@@ -104,8 +105,8 @@ class FileTest:
         self.say = say
         self.report = Report(())
         self.verification: Verification | None = None
-        self.decided: Mapping[int, Verdict] = {}
-        self.told: HiddenTask | None = None
+        self.decided: dict[int, Verdict] = {}
+        self.hidden_task: HiddenTask | None = None
 
     def run(self, status: StatusLine) -> None:
         """Prints each verdict as soon as it is known, in the order of the checks.
@@ -116,31 +117,27 @@ class FileTest:
         name = f"{self.file}, variant {self.variant}" if self.variant else self.file
         family = GameFamily(open_game(self.file), split_variants(self.variant))
         self.verification = Verification(family, self.effort, progress=status.show)
-        printed: dict[int, Verdict] = {}
+        if self.verification.numbers:
+            self._print([name], status)
         try:
             for number in self.verification.numbers:
                 verdict = self.verification.verdict(number)
-                lines = list(verdict_lines(verdict))
-                if not printed:
-                    lines.insert(0, name)
-                with status.hidden():
-                    self.say("\n".join(lines))
-                printed[number] = verdict
+                self._print(verdict_lines(verdict), status)
+                self.decided[number] = verdict
             self.report = self.verification.report()
-            self.decided = printed
         except KeyboardInterrupt:
+            printed = self.decided
             self.decided = dict(sorted((self.verification.decided() | printed).items()))
-            lines = list(self._interrupted_lines(name, printed))
-            if not printed:
-                lines.insert(0, name)
-            with status.hidden():
-                self.say("\n".join(lines))
+            self._print(self._interrupted_lines(name, printed), status)
             raise
-        self.told = hidden_task(family.own)
-        told = [] if self.told is None else [f"  {self.told}"]
+        self.hidden_task = hidden_task(family.own)
+        if self.hidden_task is not None:
+            self._print([f"  {self.hidden_task}"], status)
+        self._print([*ending_lines(self.report), f"{name}: {summary(self.report)}"], status)
+
+    def _print(self, lines: Iterable[str], status: StatusLine) -> None:
         with status.hidden():
-            ending = [*told, *ending_lines(self.report), f"{name}: {summary(self.report)}"]
-            self.say("\n".join(ending))
+            self.say("\n".join(lines))
 
     def _interrupted_lines(self, name: str, printed: Mapping[int, Verdict]) -> Iterator[str]:
         """Yields the verdicts that are known but not printed, the undecided checks, and a
@@ -177,11 +174,11 @@ class FileTest:
 
     def document(self) -> dict[str, Any]:
         """Returns the verdicts as values that JSON can hold."""
-        told = {} if self.told is None else {"task": asdict(self.told)}
+        task = {} if self.hidden_task is None else {"task": asdict(self.hidden_task)}
         return {
             "file": self.file,
             "variant": self.variant,
-            **told,
+            **task,
             "checks": [as_document(verdict) for verdict in self.decided.values()],
             "undecided": self._undecided(),
             "faults": [as_document(verdict) for verdict in self.report.faults],

@@ -37,7 +37,8 @@ def calls_of(path: Path, episode: int, seed: int) -> tuple[Path, int]:
     """Returns where the calls of a recorded episode are: a part's folder, and a number in it.
 
     Args:
-      path: a file of `sjdsl record`, or the folder of an experiment; episode: as there.
+      path: a file of `sjdsl record`, or the folder of an experiment.
+      episode: its number among all that are finished in a folder; a file has one alone.
       seed: of the episode.
     """
     if path.is_dir():

@@ -90,9 +90,13 @@ def _meaning(node: ir.Named, english: English) -> Meaning:
 
 
 def _generalised(node: ir.Named) -> tuple[ir.Expr, list[tuple[Variable, str]]]:
-    """Returns a define's value with `x`, `y`, … for what it is about, and what each stands for."""
-    free = free_variables(node.value)
+    """Returns a define's value with `x`, `y`, … for what it is about, and what each stands for.
+
+    Variables beyond the number of letters keep their names.
+    """
     taken = {n.name for n in ir.walk(node.value) if isinstance(n, ir.Member | ir.Local)}
-    letters = [letter for letter in PLACEHOLDERS if letter not in taken]
-    names = dict(zip((variable.name for variable in free), letters, strict=False))
-    return renamed(node.value, names), [(one, names.get(one.name, one.name)) for one in free]
+    letters = (letter for letter in PLACEHOLDERS if letter not in taken)
+    variables = free_variables(node.value)
+    letter_of = {variable.name: next(letters, variable.name) for variable in variables}
+    names = [(variable, letter_of[variable.name]) for variable in variables]
+    return renamed(node.value, letter_of), names

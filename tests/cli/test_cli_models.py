@@ -106,7 +106,7 @@ def test_a_dry_run_asks_nobody(folder: Path, sjdsl: Sjdsl, server: Server) -> No
     assert server.requests == []
     assert not (folder / "out").exists()
     refused = sjdsl("crossplay", str(MATRIX), "--slots", "stay,stay", "--dry-run")
-    assert "--dry-run are for language models, and none plays" in refused.text
+    assert "--dry-run and --status are for language models, and none plays" in refused.text
 
 
 def test_it_stops_and_goes_on(sjdsl: Sjdsl, server: Server) -> None:

@@ -16,7 +16,7 @@ from sjdsl.replay.dataset import load_recording
 from sjdsl.replay.episode_player import EpisodePlayer, replayed
 from sjdsl.replay.recording import Recording, RecordingError, check_tasks
 from sjdsl.runtime.env import Environment
-from tests.experiments.stored_policies import store
+from tests.experiments.stored_policies import store, store_manifest
 
 CASE = Path(__file__).parents[1] / "cases" / "splits.sj"
 
@@ -157,7 +157,7 @@ def stored_run(folder: Path, **tasks: Any) -> str:
     """Stores a run on some tasks; returns its folder."""
     provenance = EnvironmentOptions(**tasks).describe(str(CASE))
     store(folder, make_environment(provenance), 0)
-    (folder / "manifest.json").write_text(json.dumps({"provenance": provenance}))
+    store_manifest(folder, provenance=provenance)
     return str(folder)
 
 

@@ -49,6 +49,11 @@ def store_pool(
     """Stores a run of several seeds; returns its folder."""
     for seed in seeds:
         store(folder / f"seed_{seed}", env, seed, **values)
-    manifest = {"diverged": [{"seed": seed, "update": 3} for seed in diverged]}
-    (folder / "manifest.json").write_text(json.dumps(manifest))
+    store_manifest(folder, diverged=[{"seed": seed, "update": 3} for seed in diverged])
     return folder
+
+
+def store_manifest(folder: Path, **parts: Any) -> None:
+    """Writes what a manifest must have, and further parts."""
+    manifest = {"game": {}, "config": {}, "versions": {}, **parts}
+    (folder / "manifest.json").write_text(json.dumps(manifest))

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 from small_games import matrix_game
-from stored_policies import store, store_pool
+from stored_policies import store, store_manifest, store_pool
 
 from sjdsl.experiments import ExperimentError, find_pool
 from sjdsl.experiments.players import LEARNING, player_of
@@ -96,7 +96,7 @@ def test_what_is_no_policy_is_refused(tmp_path: Path) -> None:
     with pytest.raises(PolicyError, match=r"number.py:seven` must be a function, not 7"):
         find_pool(f"{tmp_path}/number.py:seven", env)
     (tmp_path / "begun/seed_0").mkdir(parents=True)
-    (tmp_path / "begun/manifest.json").write_text("{}")
+    store_manifest(tmp_path / "begun")
     (tmp_path / "begun/seed_0/policies").mkdir()
     with pytest.raises(PolicyError, match="holds no policy yet"):
         find_pool(tmp_path / "begun", env)

@@ -1,6 +1,9 @@
 """Lowers entries of rows and tables: places of keys, and rows along an axis.
 
 agent.trust[b] with two axes is the stored table itself: nothing is looked up.
+
+The array of a value has a dimension for each of its axes (what it differs along, such as each
+agent), then one for each level (what its entries are numbered by).
 """
 
 from dataclasses import replace
@@ -82,13 +85,13 @@ def whole_axis(key: ir.Expr, scope: IterationScope) -> Axis | None:
 
 
 def unrolled(row: Value, along: Axis) -> Value:
-    """Returns a row as values along an axis, one for each entry."""
+    """Returns a row as values along an axis, one for each entry: its first level becomes the axis."""
     axes = union(row.axes, (along,))
     place = axes.index(along)
-    first_level = len(row.axes)
+    entry_dimension = len(row.axes)
     node = row.node
-    if place != first_level:
-        node = call("jnp.moveaxis", node, first_level, place)
+    if place != entry_dimension:
+        node = call("jnp.moveaxis", node, entry_dimension, place)
     return replace(row, node=node, axes=axes, levels=row.levels - 1)
 
 

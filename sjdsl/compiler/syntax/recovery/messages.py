@@ -258,13 +258,16 @@ def _help_text(trouble: Trouble, kinds: Sequence[str]) -> str:
     for group, other, help_ in MISPLACED:
         if kind in group and other <= set(kinds):
             return help_
-    words = trouble.words
-    near = [words.get(keyword, "") for keyword in near_keywords(trouble, trouble.at, kinds)]
-    if not near or not near[0]:
+    keywords = near_keywords(trouble, trouble.at, kinds)
+    words = [trouble.words.get(keyword, "") for keyword in keywords]
+    if not words or words[0] == "":
         return ""
-    if len(near) > 1 and len(nearest(trouble.texts[trouble.at], near)) < len(near):
-        return ""  # some are nearer than others, but the repair did not take them
-    return f"did you mean {either(near)}?"
+    are_equally_near = len(words) == 1 or len(nearest(trouble.texts[trouble.at], words)) == len(
+        words
+    )
+    if not are_equally_near:
+        return ""  # the repair did not take the nearest
+    return f"did you mean {either(words)}?"
 
 
 def _context_labels(trouble: Trouble, repair: Repair | None) -> tuple[Label, ...]:
