@@ -41,7 +41,13 @@ def test_a_verdict_is_said_before_the_next_check_is_tested(
     monkeypatch.setattr(Verification, "verdict", watched)
     monkeypatch.setattr("sjdsl.cli.test.click.echo", lambda text, **_: said.append(text))
     sjdsl("test", "checked.sj", "--examples", "5")
-    assert order[:5] == ["0 after 0", "1 after 1", "2 after 2", "3 after 3", "4 after 4"]
+    assert order[:5] == [
+        "0 after 1",
+        "1 after 2",
+        "2 after 3",
+        "3 after 4",
+        "4 after 5",
+    ]  # the first is the heading
 
 
 def interrupting(monkeypatch: pytest.MonkeyPatch, when: str) -> None:
