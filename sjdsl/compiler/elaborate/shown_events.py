@@ -31,16 +31,12 @@ def with_shown_events(composed: Composition, game: ir.Game, scope: Scope) -> ir.
             fields = of_agents if field.held_by == AGENTS else of_world
             fields.append(field)
             observables += planes_of_rows([_seen(field)])
-            shown = {"shown": True}
-            events[field.name] = events[field.name].model_copy(update=shown)
-    agents = game.agents.model_copy(update={"fields": tuple(of_agents)})
-    return game.model_copy(
-        update={
-            "agents": agents,
-            "fields": tuple(of_world),
-            "events": tuple(events.values()),
-            "observables": tuple(observables),
-        }
+            events[field.name] = events[field.name].changed(shown=True)
+    return game.changed(
+        agents=game.agents.changed(fields=tuple(of_agents)),
+        fields=tuple(of_world),
+        events=tuple(events.values()),
+        observables=tuple(observables),
     )
 
 
@@ -58,15 +54,9 @@ def _field(show: ast.ShowEvent, events: Mapping[str, ir.Event], scope: Scope) ->
         raise scope.fail(errors.NameTaken(show.name.span, name=name, taken_by=owner))
     type_ = integer(0, LARGEST)
     if event.by is not None:
-        type_ = type_.model_copy(update={"indexed_by": (event.by,)})
+        type_ = type_.changed(indexed_by=(event.by,))
     held_by = AGENTS if event.per_agent else WORLD
-    return ir.VarField(
-        name=name,
-        held_by=held_by,
-        type=type_,
-        start=0,
-        origin=show.span,
-    )
+    return ir.VarField(name=name, held_by=held_by, type=type_, start=0, origin=show.span)
 
 
 def _seen(field: ir.VarField) -> ir.Observable:
