@@ -204,15 +204,17 @@ def test_preferences_differ_between_environments_and_fall_to_zero_in_a_fifth_of_
     config = PPOConfig(preference_noise=2.0, total_timesteps=100 * 64 * 125, num_envs=64)
     config = config.model_copy(update={"num_steps": 125})
     assert config.num_updates == 100
+    keys = jax.random.split(jax.random.key(0), 200)
 
-    def deviation(updates: int) -> float:
-        drawn = draw_preferences(jax.random.key(updates), 64, 9, jnp.int32(updates), config)
-        assert drawn.shape == (64, 9)
-        return float(drawn.std())
+    def deviations(updates: int) -> Array:
+        """Returns the deviation in each environment, of 200 x 9 draws."""
+        drawn = jax.vmap(lambda key: draw_preferences(key, 64, 9, jnp.int32(updates), config))(keys)
+        return drawn.std(axis=(0, 2))
 
-    assert deviation(0) == pytest.approx(2.0, rel=0.15)  # 576 draws: five standard errors
-    assert deviation(10) == pytest.approx(1.0, rel=0.15)
-    assert deviation(20) == deviation(75) == 0.0
+    grows = 2.0 * np.arange(1, 65) / 64
+    np.testing.assert_allclose(deviations(0), grows, rtol=0.085)  # five standard errors
+    np.testing.assert_allclose(deviations(10), grows / 2, rtol=0.085)
+    assert deviations(20).max() == deviations(75).max() == 0.0
 
 
 def test_values_follow_the_rewards_of_each_agent() -> None:

@@ -4,7 +4,7 @@ import jax
 import jax.numpy as jnp
 from jax import Array
 
-from ..devices.data_parallel import own_keys
+from ..devices.data_parallel import own_keys, own_numbers
 from ..settings.config import PPOConfig
 
 DURATION = 0.2  # of a run, after which there are none; with 0.5, policies came to rely on them
@@ -18,16 +18,22 @@ def draw_preferences(
     It stays the same for a whole rollout, so that the agents of an environment do things together
     that agents who each draw their own actions hardly ever do, such as cleaning a river. The
     policy is trained with the preferences added, and they fall to zero in the first fifth of the
-    run.
+    run. Their deviation grows evenly from the first environment to the last: where it is large,
+    agents meet rewards; where it is small, they learn to earn them without preferences.
+
     The idea that noise should last for many steps is that of Plappert et al. 2018, "Parameter
-    space noise for exploration", who add it to all parameters of the policy.
+    space noise for exploration", who add it to all parameters of the policy. Exploring more in
+    some environments than in others is that of Horgan et al. 2018, "Distributed prioritized
+    experience replay", whose actors have different epsilons.
 
     Args:
       key: consumed.
+      num_envs: the environments on this device.
       updates: `[]` int32, updates done.
     """
+    share_of_deviation = (own_numbers(num_envs) + 1) / config.num_envs
     done = updates / (DURATION * config.num_updates)
-    deviation = config.preference_noise * jnp.maximum(1.0 - done, 0.0)
+    deviation = config.preference_noise * share_of_deviation * jnp.maximum(1.0 - done, 0.0)
     keys = own_keys(key, num_envs)
     drawn = jax.vmap(lambda env_key: jax.random.normal(env_key, (num_actions,)))(keys)
-    return deviation * drawn
+    return deviation[:, None] * drawn

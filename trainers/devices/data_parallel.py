@@ -8,6 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from jax.sharding import Mesh, PartitionSpec
@@ -59,8 +60,16 @@ def own_keys(key: Array, number: int) -> Array:
     if not _is_divided():
         return jax.random.split(key, number)
     keys = jax.random.split(key, number * jax.lax.axis_size(ENVS))
-    result: Array = jax.lax.dynamic_slice_in_dim(keys, jax.lax.axis_index(ENVS) * number, number)
-    return result
+    return keys[own_numbers(number)]
+
+
+def own_numbers(number: int) -> Array:
+    """Returns which of all devices' items, counted from 0, are the `number` items on this device.
+
+    `[number]` int32.
+    """
+    first = jax.lax.axis_index(ENVS) * number if _is_divided() else 0
+    return first + jnp.arange(number)
 
 
 def own_share(number: int) -> int:

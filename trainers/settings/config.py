@@ -412,8 +412,9 @@ class PPOConfig(Config):
     normalise_values: bool = False
     entropy_coefficient: NonNegativeFloat = 0.01
     value_coefficient: NonNegativeFloat = 0.5
-    # the deviation of random preferences that agents of one environment share during a rollout, at
-    # the start of a run; it falls to 0 in its first fifth
+    # the deviation of random preferences that agents of one environment share during a rollout, in
+    # the last environment at the start of a run; it falls to 0 in the run's first fifth, and is
+    # smaller in the environments before
     preference_noise: NonNegativeFloat = 0.0
 
     # actor and critic have a hidden layer in common after the torso, instead of one each
