@@ -76,7 +76,7 @@ BESIDE_RESUME = (  # parameters of the command that are allowed with --resume
     "--callback", metavar="FILE.py:NAME", help="Call your own function after each update."
 )
 @click.option(
-    "--distributed", is_flag=True, help="Run as one of several processes: docs/training.md."
+    "--distributed", is_flag=True, help="Run as one of several processes: docs/runs.md."
 )
 @click.option("--keys", is_flag=True, help="List all settings with their values, and stop.")
 @environment_options
@@ -94,7 +94,7 @@ def command(
     """Trains agents in GAME, a bundled game or a `.sj` file, and evaluates them.
 
     The run's folder gets a manifest, metrics, checkpoints, policies, a learning curve and the
-    evaluation: docs/training.md.
+    evaluation: docs/runs.md.
     """
     if distributed:
         join_processes()

@@ -1,4 +1,4 @@
-"""The lines of docs/training.md on hooks run as they stand: in Coins, and quickly in a game of one step that has its words."""
+"""The lines of docs/own_algorithms.md on hooks run as they stand: in Coins, and quickly in a game of one step that has its words."""
 
 import json
 import re
@@ -10,7 +10,7 @@ from probes import Probe, matching
 
 import sjdsl
 
-PAGE = Path(__file__).parents[2] / "docs" / "training.md"
+PAGE = Path(__file__).parents[2] / "docs" / "own_algorithms.md"
 
 
 class LikeCoins(Probe):
@@ -36,7 +36,7 @@ def test_the_hooks_do_what_the_page_says(
 ) -> None:
     """Each is ten lines at most."""
     page = PAGE.read_text(encoding="utf-8")
-    section = page[page.index("## Hooks") : page.index("## The folder of a run")]
+    section = page[page.index("## Hooks") : page.index("## A loss")]
     blocks = re.findall(r"```python\n(.*?)```", section, re.DOTALL)
     assert len(blocks) == 7
     monkeypatch.chdir(tmp_path)
