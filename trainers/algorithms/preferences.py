@@ -7,7 +7,7 @@ from jax import Array
 from ..devices.data_parallel import own_keys, own_numbers
 from ..settings.config import PPOConfig
 
-DURATION = 0.2  # of a run, after which there are none; with 0.5, policies came to rely on them
+DURATION = 0.5  # of a run, after which no environment has preferences
 
 
 def draw_preferences(
@@ -17,9 +17,11 @@ def draw_preferences(
 
     It stays the same for a whole rollout, so that the agents of an environment do things together
     that agents who each draw their own actions hardly ever do, such as cleaning a river. The
-    policy is trained with the preferences added, and they fall to zero in the first fifth of the
-    run. Their deviation grows evenly from the first environment to the last: where it is large,
-    agents meet rewards; where it is small, they learn to earn them without preferences.
+    policy is trained with the preferences added.
+
+    Their deviation grows evenly from the first environment to the last, and falls by the same
+    amount in all of them: the first environments soon have none, so that policies learn to do
+    without, while in the last ones agents explore for half of the run.
 
     The idea that noise should last for many steps is that of Plappert et al. 2018, "Parameter
     space noise for exploration", who add it to all parameters of the policy. Exploring more in
@@ -33,7 +35,7 @@ def draw_preferences(
     """
     share_of_deviation = (own_numbers(num_envs) + 1) / config.num_envs
     done = updates / (DURATION * config.num_updates)
-    deviation = config.preference_noise * share_of_deviation * jnp.maximum(1.0 - done, 0.0)
+    deviation = config.preference_noise * jnp.maximum(share_of_deviation - done, 0.0)
     keys = own_keys(key, num_envs)
     drawn = jax.vmap(lambda env_key: jax.random.normal(env_key, (num_actions,)))(keys)
     return deviation[:, None] * drawn

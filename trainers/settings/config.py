@@ -413,8 +413,7 @@ class PPOConfig(Config):
     entropy_coefficient: NonNegativeFloat = 0.01
     value_coefficient: NonNegativeFloat = 0.5
     # the deviation of random preferences that agents of one environment share during a rollout, in
-    # the last environment at the start of a run; it falls to 0 in the run's first fifth, and is
-    # smaller in the environments before
+    # the last environment at the start of a run (trainers/algorithms/preferences.py)
     preference_noise: NonNegativeFloat = 0.0
 
     # actor and critic have a hidden layer in common after the torso, instead of one each
