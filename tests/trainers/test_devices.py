@@ -57,6 +57,7 @@ def arguments(tmp_path_factory: pytest.TempPathFactory) -> list[str]:
     (folder / "orchard.sj").write_text(GAME)
     more = sets(
         "total_timesteps=96",
+        "preference_noise=2",
         "checkpoint_updates=2",
         "policy_every=2",
         "evaluate_every=3",
