@@ -192,7 +192,7 @@ docs: .venv/ready
 results: .venv/ready
 	$(BIN)/python -m bench.paper
 
-# Plays the scripted Schelling diagrams of the nine games and of our own again, and writes the tables of docs/schelling.md: about 40 minutes.
+# Plays the scripted Schelling diagrams of the nine games and of our own again, and writes the tables of docs/schelling.md and its appendix: about 40 minutes.
 diagrams: .venv/ready
 	mkdir -p runs/diagrams
 	for game in $(NINE) $(OURS); do \
