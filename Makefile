@@ -17,7 +17,7 @@ BENCH := $(BIN)/python -m bench.speed
 ENVS ?= 1,128,1024,4096
 NINE := coins harvest_open harvest_closed harvest_partnership clean_up coop_mining gift_refinement mushrooms pd_arena
 OURS := ferry reputation stag_chase
-PAGE := --markdown docs/performance.md
+PAGE := --markdown docs/research/speed_tables.md
 # A Python whose JAX sees a GPU, with the packages of pyproject.toml.
 GPU_PYTHON ?= python3
 # `make gpu` stops after so long, and keeps the figures that it has by then, and those of earlier runs.
@@ -128,7 +128,7 @@ check: types lint
 fuzz: .venv/ready
 	$(BIN)/python -m tests.fuzz.campaign --examples $(or $(EXAMPLES),2000) --seed $(or $(SEED),0) --coverage
 
-# Writes the tables of docs/performance.md again; they are worth something on a machine with nothing else to do.
+# Writes the tables of docs/research/speed_tables.md again; they are worth something on a machine with nothing else to do.
 bench: .venv/ready
 	$(BENCH) race $(NINE) --envs $(ENVS) --crowd --observation tokens,onehot --json runs/bench/race.json
 	$(BENCH) training $(NINE) --hours 1e9 --repeats 3 --json runs/bench/training.json
@@ -139,7 +139,7 @@ bench: .venv/ready
 	JAX_NUM_CPU_DEVICES=2 $(BENCH) race $(NINE) --devices 2 --envs 128,1024,4096 --json runs/bench/devices.json
 	$(BENCH) tables runs/bench/*.json $(PAGE)
 
-# The tables of Melting Pot's substrates in docs/performance.md. The file is written after each of them: `tables` also reads that of a run
+# The tables of Melting Pot's substrates in docs/research/speed_tables.md. The file is written after each of them: `tables` also reads that of a run
 # that was stopped.
 bench-meltingpot: .venv/ready
 	$(BENCH) substrates --repeats 3 --json runs/substrates.json
@@ -152,7 +152,7 @@ gpu:
 	if [ -d runs/gpu ]; then mv runs/gpu runs/gpu-$$(date +%Y%m%d-%H%M%S); fi
 	timeout $(GPU_MINUTES)m $(GPU_PYTHON) -m bench.speed everything runs/gpu $(NINE) || test $$? = 124
 
-# The tables of docs/performance.md from the figures that `make gpu` has left, on any machine.
+# The tables of docs/research/speed_tables.md from the figures that `make gpu` has left, on any machine.
 gpu-page: .venv/ready
 	$(BENCH) tables runs/gpu/*.json $(PAGE)
 
@@ -165,7 +165,7 @@ gpu-model: build/gpu-model/ready
 	$(if $(SUITE),$(GPU_MODEL) nine --envs 1024,4096,65536 --only-suite --suite $(SUITE))
 	$(if $(SUITE),$(GPU_MODEL) nine --envs 4096 --gpu a100 --only-suite --suite $(SUITE))
 	$(GPU_MODEL) coins harvest_open --update mlp,cnn
-	$(GPU_MODEL) --markdown docs/performance.md
+	$(GPU_MODEL) $(PAGE)
 
 build/gpu-model/ready: requirements.txt
 	$(PYTHON) -m venv build/gpu-model/.venv
@@ -192,7 +192,7 @@ docs: .venv/ready
 results: .venv/ready
 	$(BIN)/python -m bench.paper
 
-# Plays the scripted Schelling diagrams of the nine games and of our own again, and writes the tables of docs/schelling.md: about 40 minutes.
+# Plays the scripted Schelling diagrams of the nine games and of our own again, and writes the tables of docs/schelling.md and its appendix: about 40 minutes.
 diagrams: .venv/ready
 	mkdir -p runs/diagrams
 	for game in $(NINE) $(OURS); do \

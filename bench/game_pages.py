@@ -1,10 +1,10 @@
-"""Writes the tables, texts and pictures of the bundled games, or checks whether they are current.
+"""Writes the tables, pictures and figures of the bundled games, or checks whether they are current.
 
     python -m bench.game_pages [--check]
 
-Tables and texts go between the marks of docs/games.md and docs/meltingpot.md. Pictures, and the
-figures of a random policy in docs/games.json, are kept while the rules of their game don't change.
-To make one of them again, delete it.
+Tables go between the marks of docs/games.md and docs/meltingpot.md. Pictures, and the figures of
+a random policy in docs/games.json, are kept while the rules of their game don't change. To make one
+of them again, delete it. The site's gallery shows the figures.
 """
 
 import argparse
@@ -14,7 +14,6 @@ import sys
 from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import jax
 from PIL import Image
@@ -25,9 +24,7 @@ from sjdsl.compiler.ir.hash import game_hash, picture_hash
 from sjdsl.compiler.ir.queries import counts_of
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.doc import Written, read_written
-from sjdsl.doc.actions import action_rows
-from sjdsl.doc.numbers import parameters
-from sjdsl.doc.wording import code, joined, number, plain, table
+from sjdsl.doc.wording import code, plain, table
 from sjdsl.files import write_whole
 from sjdsl.library.factory import make
 from sjdsl.library.games_folder import find_game, main_games
@@ -35,6 +32,7 @@ from sjdsl.library.substrates import Substrate, written_substrates
 from sjdsl.render import make_painter, save_png
 from sjdsl.trainers import evaluate, random_policy, summarise
 from website.boards import played
+from website.random_play import Figures, read_figures
 
 DOCS = Path(__file__).parents[1] / "docs"
 PAGES = ("games", "meltingpot")
@@ -43,12 +41,7 @@ EPISODES = 200  # of the figures
 SIGNIFICANT_DIGITS = 6
 STEPS_BEFORE_PICTURE = 60
 DIGEST_KEY = "sjdsl:shown"  # in the text of a picture's file
-NO_COLUMNS = ("summary", "our_differences")  # keys of `about` that are too long for a table
-OWN_ENTRY = "our_"  # begins the keys of `about` that describe decisions of this project
-
-# Of a game: `hash` of its rules, `episodes`, `seed`, and `values`: for each name `mean`, `low` and
-# `high` (the 95 % interval), each None if the figure isn't defined for every episode.
-Figures = dict[str, Any]
+PICTURE_WIDTH = 110  # pixels, in the table of games
 
 
 def main() -> int:
@@ -89,7 +82,7 @@ def write_games(path: Path) -> None:
     figures = {name: figures[name] for name in game_texts()}
     draw_pictures(path.parent / "pictures", {name: (name, "") for name in figures})
     write_whole(path.with_suffix(".json"), figures_text(figures))
-    write_whole(path, games_page(path.read_text("utf-8"), figures))
+    write_whole(path, games_page(path.read_text("utf-8")))
 
 
 def write_melting_pot(path: Path) -> None:
@@ -102,7 +95,7 @@ def write_melting_pot(path: Path) -> None:
 
 
 def page_problems(path: Path) -> list[str]:
-    """Returns what is out of date: text, figures or pictures of `games.md` or `meltingpot.md`."""
+    """Returns what is out of date: tables, figures or pictures of `games.md` or `meltingpot.md`."""
     page = path.read_text("utf-8")
     problems: list[str] = []
     if path.stem == "meltingpot":
@@ -113,7 +106,7 @@ def page_problems(path: Path) -> list[str]:
         folder = path.parent / "pictures"
         games = {name: written.game for name, written in game_texts().items()}
         figures = read_figures(path.with_suffix(".json"))
-        current = games_page(page, figures)
+        current = games_page(page)
         problems += figure_problems(games, figures)
     problems += picture_problems(folder, games)
     if page != current:
@@ -226,47 +219,9 @@ def _rounded(value: float) -> float | None:
     return float(f"{value:.{SIGNIFICANT_DIGITS}g}") if math.isfinite(value) else None
 
 
-def read_figures(path: Path) -> dict[str, Figures]:
-    """Returns the figures that a file keeps, by game; none if there is no such file."""
-    return json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
-
-
 def figures_text(figures: Mapping[str, Figures]) -> str:
     """Returns figures as the text of their file."""
     return json.dumps(figures, indent=1, ensure_ascii=False) + "\n"
-
-
-def games_page(page: str, figures: Mapping[str, Figures]) -> str:
-    """Returns the page with its sections current: a table of all games, and each game's section."""
-    games = game_texts()
-    sections = []
-    for name, written in games.items():
-        if name in figures:
-            sections += ["", *_game_section(name, written, figures[name])]
-    return replace_sections(page, {"games": [*_games_table(games), *sections]})
-
-
-def _games_table(games: Mapping[str, Written]) -> list[str]:
-    """Returns the lines of the table of all games, with a column for each key of `about`."""
-    keys: dict[str, None] = {}  # in the order in which the games name them
-    for written in games.values():
-        keys |= dict.fromkeys(key for key, _ in written.game.about if key not in NO_COLUMNS)
-    columns = sorted(keys, key=lambda key: key.startswith(OWN_ENTRY))  # ours come last
-    head = ("game", "agents", "map", "actions", *(key.replace("_", " ") for key in columns))
-    rows = []
-    for name, written in games.items():
-        game = written.game
-        about = dict(game.about)
-        rows.append(
-            (
-                f"[{plain(game.title)}](#{name})",
-                str(game.agents.number),
-                _size(game),
-                str(len(game.agents.actions)),
-                *(plain(about.get(key, "")) for key in columns),
-            )
-        )
-    return table(head, rows)
 
 
 def replace_sections(page: str, sections: Mapping[str, Sequence[str]]) -> str:
@@ -276,76 +231,36 @@ def replace_sections(page: str, sections: Mapping[str, Sequence[str]]) -> str:
     return page
 
 
+def games_page(page: str) -> str:
+    """Returns the page with its table of all games current."""
+    return replace_sections(page, {"games": _games_table(game_texts())})
+
+
+def _games_table(games: Mapping[str, Written]) -> list[str]:
+    """Returns the lines of the table of all games, each with its picture and its file."""
+    rows = [
+        (
+            f'<img src="pictures/{name}.png" width="{PICTURE_WIDTH}" alt="">',
+            f"[{plain(written.game.title)}](../games/{name}.sj)",
+            code(name),
+            str(written.game.agents.number),
+            _paradigm(dict(written.game.about)),
+            plain(dict(written.game.about).get("summary", "")),
+        )
+        for name, written in games.items()
+    ]
+    return table(("", "game", "name", "agents", "paradigm", "what it is about"), rows)
+
+
+def _paradigm(about: Mapping[str, str]) -> str:
+    """Returns the paradigm that the paper gives a game, or ours, marked so."""
+    if "paradigm" in about:
+        return plain(about["paradigm"])
+    return f"{plain(about['our_paradigm'])} (ours)"
+
+
 def _size(game: ir.Game) -> str:
     return f"{len(game.rows)} × {len(game.rows[0])}"
-
-
-def _game_section(name: str, written: Written, figures: Figures) -> list[str]:
-    """Returns the lines about one game."""
-    game = written.game
-    title = plain(game.title)
-    lines = [
-        f'<a id="{name}"></a>',
-        "",
-        f"## {title}",
-        "",
-        f"![{title}](pictures/{name}.png)",
-        "",
-    ]
-    summary = dict(game.about).get("summary", "")
-    if summary:
-        lines += [plain(summary), ""]
-    lines += [*_facts_table(name, written), "", "Numbers:", "", *parameters(written)]
-    figure_rows = [
-        (key, *_mean_and_interval(**figure)) for key, figure in figures["values"].items()
-    ]
-    lines += [
-        f"A random policy, {figures['episodes']} episodes from seed {figures['seed']}, "
-        "means with their 95 % confidence intervals:",
-        "",
-        *table(("", "mean", "interval"), figure_rows),
-    ]
-    return lines
-
-
-def _facts_table(name: str, written: Written) -> list[str]:
-    """Returns the lines of a table of a game's agents, map, actions, sources and variants."""
-    game = written.game
-    edges = ", edges joined" if game.wraps else ""
-    rows = [
-        ("agents", str(game.agents.number)),
-        ("map", f"{len(game.rows)} rows of {len(game.rows[0])} cells{edges}"),
-        ("actions", joined(name for _, name, _ in action_rows(game))),
-        ("window", _window(game.window)),
-        *((key.replace("_", " "), plain(text)) for key, text in game.about if key != "summary"),
-        ("sources", "; ".join(map(plain, game.cites))),
-        ("all the rules", code(f"sjdsl doc {name}")),
-    ]
-    rows += [(f"variant {code(variant)}", plain(title)) for variant, title in written.variants]
-    return table(("", ""), [row for row in rows if row[1]])
-
-
-def _window(window: ir.Window) -> str:
-    """Returns how far agents see. The last view comes first: it is the usual one."""
-    views = window.views or (window,)
-    reaches = [
-        f"{view.ahead} ahead, {view.behind} behind, {view.left} left, {view.right} right"
-        for view in reversed(views)
-    ]
-    return "; of some agents ".join(reaches)
-
-
-def _mean_and_interval(
-    mean: float | None, low: float | None, high: float | None
-) -> tuple[str, str]:
-    """Returns two cells of a table; of a return or an equality that isn't defined, the reason."""
-    if mean is None or low is None or high is None:
-        return "not defined", "some returns are negative, or all are 0"
-    return _four_digits(mean), f"{_four_digits(low)} to {_four_digits(high)}"
-
-
-def _four_digits(value: float) -> str:
-    return number(float(f"{value:.4g}"))
 
 
 def melting_pot_page(page: str) -> str:

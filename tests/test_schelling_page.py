@@ -1,4 +1,4 @@
-"""docs/schelling.md says what the diagrams in docs/schelling hold, and the diagrams are of the policies in the games' files."""
+"""docs/schelling.md and its appendix say what the diagrams in docs/schelling hold, and the diagrams are of the policies in the games' files."""
 
 import json
 from importlib.util import module_from_spec, spec_from_file_location

@@ -13,10 +13,12 @@ from sjdsl.library.games_folder import find_game, main_games, melting_pot_games
 from sjdsl.library.substrates import Substrate, written_substrates
 from website.boards import Board
 from website.chapters import raised
+from website.random_play import random_play, read_figures
 
 FOLDER = "gallery"
 BOARDS = "boards"
 INDEX = f"{FOLDER}/index.md"
+FIGURES = "docs/games.json"
 HEAD = """# Gallery
 
 Every bundled game, played by the policies of its own file: cooperators beside defectors, where it has them, else random agents. Choose a
@@ -144,6 +146,9 @@ def game_page(shown: Shown, root: Path) -> str:
             _below(board),
             "",
         ]
+    figures = read_figures(root / FIGURES)
+    if shown.name in figures:
+        lines += ["## Random play", "", *random_play(figures[shown.name]), ""]
     sheet = rule_sheet(shown.written).split("\n", 1)[1]
     return "\n".join([*lines, "## The rules", "", raised(sheet, -1)])
 

@@ -1,13 +1,13 @@
-"""Measures the figures of docs/performance.md; `python -m bench.speed COMMAND --help` explains each
-command.
+"""Measures the figures of docs/research/speed_tables.md.
 
-python -m bench.speed race coins pd_arena --envs 1,1024 --crowd --observation tokens,onehot --json
-runs/race.json python -m bench.speed training coins --networks mlp,cnn --algorithms ippo,vdn
---sharings shared,per_agent --hours 1e9 python -m bench.speed sweep pd_arena payoff --values 64
-# many values in one program, and in a program each python -m bench.speed substrates daycare coins
-# of Melting Pot; all, unless some are named python -m bench.speed everything runs/gpu coins       #
-what a GPU is needed for: speeds, kernels, resuming, training python -m bench.speed tables
-runs/*.json --markdown docs/performance.md    # of the figures that --json or `everything` left
+`python -m bench.speed COMMAND --help` explains each command. Examples:
+
+    python -m bench.speed race coins pd_arena --envs 1,1024 --crowd --json runs/race.json
+    python -m bench.speed training coins --networks mlp,cnn --algorithms ippo,vdn --hours 1e9
+    python -m bench.speed sweep pd_arena payoff --values 64  # many values in one program
+    python -m bench.speed substrates daycare coins  # of Melting Pot; all, unless some are named
+    python -m bench.speed everything runs/gpu coins  # what a GPU is needed for
+    python -m bench.speed tables runs/*.json --markdown docs/research/speed_tables.md
 """
 
 import shlex
@@ -113,7 +113,7 @@ def forms_of(
 
 @click.group()
 def main() -> None:
-    """Measures the figures of docs/performance.md, and makes its tables."""
+    """Measures the figures of docs/research/speed_tables.md, and makes its tables."""
     disable_compilation_cache()
 
 

@@ -1,4 +1,4 @@
-"""Formats all figures as tables of text, for the screen and for docs/performance.md."""
+"""Formats all figures as tables of text, for the screen and for docs/research/speed_tables.md."""
 
 import math
 import statistics

@@ -1,4 +1,5 @@
-"""Writes the tables of docs/schelling.md again, from the diagrams in the folders beside this file; with `--pictures` also their pictures."""
+"""Writes the tables of docs/schelling.md and docs/research/schelling.md again, from the diagrams in the folders beside this file; with
+`--pictures` also their pictures."""
 
 import json
 import sys
@@ -18,19 +19,35 @@ from sjdsl.experiments.pictures import draw_diagram, picture_bytes
 from sjdsl.library.games_folder import find_game
 
 HERE = Path(__file__).parent
-PAGE = HERE.with_suffix(".md")
+PAGES = {  # each with the way from it to this folder
+    HERE.with_suffix(".md"): "schelling",
+    HERE.parent / "research" / "schelling.md": "../schelling",
+}
 PUBLISHED = tomllib.loads((HERE.parents[1] / "games/published.toml").read_text(encoding="utf-8"))[
     "schelling"
 ]["games"]
 
 
 def main(check: bool) -> int:
-    """Writes the page, or with `check` only says whether it is up to date: 0 if it is, else 1."""
-    page = PAGE.read_text(encoding="utf-8")
-    found = written(page)
-    if not check:
-        PAGE.write_text(found, encoding="utf-8")
-    return int(check and found != page)
+    """Writes the pages, or with `check` only says whether they are up to date: 0 if they are, else 1.
+
+    Raises ValueError if the marks of a diagram are on no page.
+    """
+    stale = False
+    missing = set(sections(""))
+    for path, folder in PAGES.items():
+        page = path.read_text(encoding="utf-8")
+        found = page
+        for name, text in sections(folder).items():
+            if f"<!-- {name} -->\n" in page:
+                found = replace_section(found, name, text)
+                missing.discard(name)
+        if not check:
+            path.write_text(found, encoding="utf-8")
+        stale |= found != page
+    if missing:
+        raise ValueError(f"no page has the marks of {', '.join(sorted(missing))}")
+    return int(check and stale)
 
 
 def draw_again() -> None:
@@ -48,20 +65,20 @@ def draw_again() -> None:
         )
 
 
-def written(page: str) -> str:
-    """Returns the page with the tables of all diagrams."""
+def sections(folder: str) -> dict[str, str]:
+    """Returns the texts of all sections, by name. folder: the way from the page to the diagrams."""
     diagrams = {
         path.parent.name: json.loads(path.read_text(encoding="utf-8"))
         for path in sorted(HERE.glob("*/schelling.json"))
     }
-    for name, diagram in diagrams.items():
-        page = replace_section(page, f"diagram {name}", lines_table(name, diagram))
     trained = [name for name in diagrams if name.endswith("_trained")]
     ours = [name for name, diagram in diagrams.items() if diagram["game"]["name"] not in PUBLISHED]
     scripted = [name for name in diagrams if name not in (*trained, *ours)]
-    for section, names in (("scripted", scripted), ("ours", ours), ("trained", trained)):
-        page = replace_section(page, section, verdicts_table([diagrams[name] for name in names]))
-    return page
+    verdicts = {"scripted": scripted, "ours": ours, "trained": trained}
+    return {
+        **{f"diagram {name}": lines_table(f"{folder}/{name}", d) for name, d in diagrams.items()},
+        **{name: verdicts_table([diagrams[d] for d in of]) for name, of in verdicts.items()},
+    }
 
 
 def verdicts_table(diagrams: list[dict[str, Any]]) -> str:
@@ -89,13 +106,13 @@ def verdicts_table(diagrams: list[dict[str, Any]]) -> str:
     return table(rows)
 
 
-def lines_table(name: str, diagram: dict[str, Any]) -> str:
-    """Returns the picture, and both lines of a diagram over the number of other cooperators."""
+def lines_table(folder: str, diagram: dict[str, Any]) -> str:
+    """Returns the picture, which lies in the folder, and both lines over the number of other cooperators."""
     others = range(diagram["game"]["num_agents"])
     rows = [("other cooperators", *map(str, others)), ("---", *("--:" for _ in others))]
     rows += [(line, *(f"{value:.4g}" for value in diagram[line]["mean"])) for line in ("C", "D")]
     rows.append(("preferred", *diagram["D-C"]["preferred"]))
-    return f"![Schelling diagram of {diagram['game']['name']}](schelling/{name}/schelling.svg)\n\n{table(rows)}"
+    return f"![Schelling diagram of {diagram['game']['name']}]({folder}/schelling.svg)\n\n{table(rows)}"
 
 
 def bounds(figure: dict[str, float]) -> str:

@@ -3,7 +3,7 @@ of its own.
 
 As one device, a CPU with several cores splits the work of every kernel. A step of a fast game has
 some 200 kernels of a few microseconds each, so the cores spend most of the time waiting for each
-other (docs/performance.md).
+other (docs/research/performance.md).
 """
 
 from collections.abc import Callable

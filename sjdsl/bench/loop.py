@@ -91,7 +91,7 @@ def play(
 
     The observations of each step are written to memory and carried to the next, as a rollout would
     keep them. To sum them up in each step instead costs more than some of the steps, the more so
-    the more planes there are (docs/performance.md).
+    the more planes there are (docs/research/performance.md).
 
     Args:
       step: `(states, actions, keys) -> (states, reward, observation)` of all environments.

@@ -81,7 +81,7 @@ def _added_in_rows(sets: Array, agents: int) -> Array:
     """The form for CPUs: adds rows of 32 sets, a few at a time, then along a row, all in bytes.
 
     XLA compiles this to vector instructions of 32 bytes, a sum along all sets to none, and a sum of
-    bytes as int32 to shorter ones (docs/performance.md).
+    bytes as int32 to shorter ones (docs/research/performance.md).
     """
     agent = jnp.arange(agents, dtype=sets.dtype)[:, None]
 

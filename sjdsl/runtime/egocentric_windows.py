@@ -119,7 +119,7 @@ def _filled_in_runs(cells: Array | np.ndarray, plane: Array, values: Array) -> A
     """The form for CPUs: for a large batch, the plane is assembled from runs of adjacent cells.
 
     Each run is copied, if runs are long. A scatter cell by cell takes twice as long for 538 cells
-    in 81 runs (docs/performance.md).
+    in 81 runs (docs/research/performance.md).
     """
     constant = np.asarray(cells)
     first = np.flatnonzero(np.diff(constant, prepend=-2) != 1)
@@ -254,7 +254,7 @@ def planes_of(view: tuple[int, int], present: Array | None, *planes: Array) -> A
     """Returns the planes of all windows, each plane contiguous.
 
     Interleaved bytes of several planes would be written one by one, which takes ten times as long
-    on a CPU (docs/performance.md).
+    on a CPU (docs/research/performance.md).
 
     Args:
       view: rows and columns of a window.

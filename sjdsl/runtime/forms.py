@@ -2,8 +2,8 @@
 
 Generated code determines what is computed, not how. On a CPU, loops that end early and branches
 that aren't taken are cheap, and so is computing values in the cache again. A GPU is fast with few
-kernels of much independent work, none of which waits for another (docs/performance.md, "Estimated
-by a model").
+kernels of much independent work, none of which waits for another (docs/research/performance.md,
+"GPU model").
 """
 
 from collections.abc import Callable

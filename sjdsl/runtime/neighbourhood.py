@@ -24,7 +24,7 @@ def looked_up(values: Array, cells: Array) -> Array:
     """Returns `values[cells]`, where each value is computed once.
 
     XLA for CPUs computes an indexed value again for every index, be it the 20 rounds of a random
-    number; it doesn't if the values are concatenated (docs/performance.md).
+    number; it doesn't if the values are concatenated (docs/research/performance.md).
 
     Args:
       values: `[S, ...]`.
@@ -58,7 +58,7 @@ def over_neighbours(
 
     The function is applied once for each cell of the shape, to all cells at once. If the cells fill
     a rectangle, their fields are shifted copies, for which XLA has vector instructions; it has none
-    for lookups (docs/performance.md).
+    for lookups (docs/research/performance.md).
 
     Args:
       fold: how values are combined; a sum of booleans counts them.

@@ -109,7 +109,7 @@ def _several(members: Array) -> Array:
     """Returns whether some set has more than one member.
 
     The sets without their lowest members are joined, row by row. XLA makes vector instructions of
-    that, but of nothing along the last axis (docs/performance.md).
+    that, but of nothing along the last axis (docs/research/performance.md).
     """
     rows = in_rows(members)
     # The last row is as long as the others, so some sets are in two rows.

@@ -14,6 +14,7 @@ from sjdsl.bench.markdown import markdown_section, replace_section
 from sjdsl.bench.tables import speed_tables
 from sjdsl.bench.timing import Round, speed_of
 
+DOCS = Path(__file__).parents[2] / "docs"
 MACHINE = {"platform": "cpu", "devices": 1}
 
 
@@ -80,6 +81,29 @@ def test_a_section_of_a_page(golden: Callable[[Path, str], None]) -> None:
     text = markdown_section("sjdsl bench", "a machine", ["coins is left out"], tables)
     golden(Path(__file__).with_name("section.txt"), text)
     assert len(tables_of(report(speed("meadow", 1, 1e5)))) == 3, "nothing to compare"
+
+
+def test_the_guide_quotes_the_tables() -> None:
+    """The speeds of the nine games in docs/performance.md are those of all tables, without spreads and ratios."""
+    quoted = rows_of_games((DOCS / "performance.md").read_text("utf-8"))
+    tables = (DOCS / "research" / "speed_tables.md").read_text("utf-8")
+    section = tables.partition("<!-- speed 2 devices cpu -->")[2].partition("Compile time")[0]
+    measured = {
+        (name, agents, *(cell.split()[0] for cell in cells))
+        for name, agents, _, *cells in rows_of_games(section)
+    }
+    assert len(quoted) == 9
+    assert {*quoted} <= measured
+
+
+def rows_of_games(text: str) -> list[tuple[str, ...]]:
+    """Returns the cells of each row of a table that begins with a name and a number of agents."""
+    rows = (
+        tuple(cell.strip() for cell in line.strip("| ").split("|"))
+        for line in text.splitlines()
+        if line.startswith("| ")
+    )
+    return [row for row in rows if len(row) > 2 and row[1].isdigit()]
 
 
 def test_only_the_text_between_the_marks_is_replaced() -> None:

@@ -3,7 +3,7 @@
 It is a sum of looked-up rows on a CPU, a product elsewhere. Its input has a channel for each value
 that a token can have, and is almost all zeros. On a CPU, a loop over the cells of a window looks up
 the rows of the kernel for the cell's content, in all windows at once, and adds them. That is
-several times as fast as the product (docs/performance.md). GPUs are better at products.
+several times as fast as the product (docs/research/performance.md). GPUs are better at products.
 """
 
 import math
@@ -26,7 +26,8 @@ from .window_tables import Planes, groups_of, make_table, row_numbers, rows_by_p
 # Numbers in a row of a matrix, or a multiple of them: for a GPU, XLA copies other rows to longer
 # ones.
 ALIGNED = 8
-CELLS = 4  # cells whose rows are added in one pass over the windows; measured (docs/performance.md)
+# cells whose rows are added in one pass over the windows; measured (docs/research/performance.md)
+CELLS = 4
 
 Linear = Callable[[Array, Array], Array]  # of an array and of windows; linear in the array
 

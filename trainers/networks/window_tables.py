@@ -14,7 +14,7 @@ from jax import Array
 from sjdsl.runtime.planes import TokenPlane
 
 # cost of making a row of a table and summing its gradient, in lookups of a row; measured
-# (docs/performance.md)
+# (docs/research/performance.md)
 ROW_WORK = 4
 # the limits to try for the rows of a table; at most as many as a byte numbers
 LIMITS = tuple(2**power for power in range(9))

@@ -1,0 +1,36 @@
+"""The pages of the gallery: what a game's page says beside its board."""
+
+import json
+from pathlib import Path
+
+from website import gallery
+
+ROOT = Path(__file__).parents[2]
+
+
+def page_of(name: str) -> str:
+    (shown,) = (shown for shown in gallery.shown_games() if shown.name == name)
+    return gallery.game_page(shown, ROOT)
+
+
+def test_a_page_has_the_stored_figures_of_random_play() -> None:
+    """Of Coins; the equality of its returns isn't defined, as some of them are negative."""
+    stored = json.loads((ROOT / "docs/games.json").read_text("utf-8"))["coins"]
+    page = page_of("coins")
+    assert f"{stored['episodes']} episodes from seed {stored['seed']}" in page
+    ends = (
+        f"{stored['values']['`own_coins`, in an episode, all agents'][end]:.2f}"
+        for end in ("mean", "low", "high")
+    )
+    mean, low, high = (end.rstrip("0") for end in ends)
+    assert f"| `own_coins`, in an episode, all agents | {mean} | {low} to {high} |" in page
+    assert (
+        "| equality of returns (1 - Gini) | not defined | some returns are negative, or all are 0 |"
+        in page
+    )
+
+
+def test_a_game_of_melting_pot_has_no_figures_of_random_play() -> None:
+    stored = json.loads((ROOT / "docs/games.json").read_text("utf-8"))
+    assert "daycare" not in stored
+    assert "## Random play" not in page_of("daycare")
