@@ -22,11 +22,10 @@ from sjdsl.cli.policies import (
     FROM_FILE,
     NAMES,
     SIDE_BY_SIDE,
-    YOU,
     check_policy,
     choose_policy,
     code_option,
-    seated_policy,
+    read_seats,
 )
 from sjdsl.cli.stages import stages
 from sjdsl.compiler import ir
@@ -50,7 +49,7 @@ from sjdsl.runtime.episode_keys import EpisodeKeys
 from sjdsl.trace.choices import Chosen, chooser
 from sjdsl.trace.jax_random import keys_of
 from sjdsl.trace.rules import Rules
-from sjdsl.trainers.settings.policy_names import UNTRAINED
+from sjdsl.trainers.settings.policy_names import UNTRAINED, YOU
 
 if TYPE_CHECKING:
     from sjdsl.runtime.env import Environment
@@ -121,18 +120,17 @@ def command(
     player = None if watch else agent
     seats: list[str] = []
     if slots is not None:
-        seats = [name.strip() for name in slots.split(",")]
-        player = _seat_of_person(seats, rules)
+        seats, player = read_seats(slots, rules)
     elif agent >= rules.agents.number:
         raise click.ClickException(
             f"{rules.name} has no agent {agent}; its agents are 0 to {rules.agents.number - 1}"
         )
     elif is_model_name(others) and not watch:
+        check_policy(others, rules)
         seats = [others] * rules.agents.number
         seats[agent] = YOU
-    for name in seats or [others]:
-        if name != YOU:
-            check_policy(name, rules)
+    if not seats:
+        check_policy(others, rules)
 
     length = int(evaluate(rules.episode, Instance(board, declared_world(board, values))))
     most_steps = min(length, steps or length)
@@ -148,7 +146,12 @@ def command(
     else:
         with stages(f"compiling {rules.name}"):
             env = make_environment(arguments)
-            policy = seated_policy(seats, env) if seats else choose_policy(others, env)
+            if seats:
+                from sjdsl.trainers.policies.seating import seated_policy
+
+                policy = seated_policy(seats, env, choose_policy)
+            else:
+                policy = choose_policy(others, env)
             moments = play_compiled(env, policy, seed, steering)
 
     title = title_of(rules)
@@ -181,19 +184,6 @@ def command(
             )
             save_recording(recording, Path(record))
             click.echo(f"\n{record}  {len(actions)} steps of {title}")
-
-
-def _seat_of_person(seats: Sequence[str], rules: ir.Game) -> int | None:
-    """Returns the agent that a person plays, None if it is nobody. Raises ClickException."""
-    number = rules.agents.number
-    if len(seats) != number:
-        raise click.ClickException(
-            f"{rules.name} has {number} agents, but --slots names {len(seats)}; name one for each"
-        )
-    yours = [agent for agent, name in enumerate(seats) if name == YOU]
-    if len(yours) > 1:
-        raise click.ClickException(f"`{YOU}` can play one agent; it is named {len(yours)} times")
-    return yours[0] if yours else None
 
 
 def moment_lines(

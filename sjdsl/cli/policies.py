@@ -2,7 +2,7 @@
 Python function."""
 
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +11,12 @@ import click
 from sjdsl.models import find_model, is_model_name
 from sjdsl.models.roles import wordings
 from sjdsl.trainers.settings.extensions import allow_code
-from sjdsl.trainers.settings.policy_names import might_be_named, unknown_policy
+from sjdsl.trainers.settings.policy_names import (
+    YOU,
+    might_be_named,
+    seat_of_person,
+    unknown_policy,
+)
 
 if TYPE_CHECKING:
     from sjdsl.compiler import ir
@@ -22,7 +27,6 @@ NAMES = (
     "FILE.py:FUNCTION, or a language model, models.toml:NAME or models.toml:NAME+ROLE."
 )
 SIDE_BY_SIDE = "file"
-YOU = "you"  # a person at the terminal
 FROM_FILE = (
     "agent 0 follows the first policy of the game's file, agent 1 the second, and so on; random "
     "agents if it has none"
@@ -66,6 +70,23 @@ def check_policy(name: str, game: "ir.Game") -> None:
         raise click.ClickException(unknown_policy(name, declared))
 
 
+def read_seats(slots: str, game: "ir.Game") -> tuple[list[str], int | None]:
+    """Returns the names of --slots, and the agent that a person plays, if any.
+
+    Raises ClickException for names that don't fit the game, and ModelError for a wrong file of
+    models; needs no JAX.
+    """
+    seats = [name.strip() for name in slots.split(",")]
+    try:
+        person = seat_of_person(seats, game.agents.number, game.name)
+    except ValueError as error:
+        raise click.ClickException(str(error)) from None
+    for name in seats:
+        if name != YOU:
+            check_policy(name, game)
+    return seats, person
+
+
 def choose_policy(name: str, env: "Environment") -> Any:
     """Returns a policy by its name; warnings about it are printed as notes."""
     from sjdsl.runtime.policy import UNTRAINED, mixed_policy
@@ -93,28 +114,6 @@ def choose_policy(name: str, env: "Environment") -> Any:
         return hosted_policy(env, dict.fromkeys(agents, host), mixed_policy(env.num_agents, []))
     with warnings_as_notes():
         return find_policy(name, env)
-
-
-def seated_policy(seats: Sequence[str], env: "Environment") -> Any:
-    """Returns the policy of a line-up: of each agent, by name; `you` takes action 0."""
-    from sjdsl.runtime.policy import mixed_policy
-    from sjdsl.trainers.policies.loading import find_host
-
-    hosts = {}
-    agents_of: dict[str, list[int]] = {}
-    for agent, name in enumerate(seats):
-        host = find_host(name)
-        if host is not None:
-            hosts[agent] = host
-        elif name != YOU:
-            agents_of.setdefault(name, []).append(agent)
-    parts = [(agents, choose_policy(name, env)) for name, agents in agents_of.items()]
-    others = mixed_policy(env.num_agents, parts)
-    if not hosts:
-        return others
-    from sjdsl.models.hosted import hosted_policy
-
-    return hosted_policy(env, hosts, others)
 
 
 @contextmanager

@@ -7,10 +7,15 @@ from pathlib import Path
 import click
 
 from sjdsl.cli.game_file import game_path
+from sjdsl.cli.policies import NAMES, code_option, read_seats
 from sjdsl.extras import require
 from sjdsl.library.cache import cache_folder
+from sjdsl.library.checked_game import build_game
 from sjdsl.studio.access import HOST, Access, kept_token
 from sjdsl.studio.examples import example_of
+from sjdsl.studio.seats import Seats
+from sjdsl.trainers.settings.extensions import allowed_code
+from sjdsl.trainers.settings.policy_names import YOU
 
 PORT = 8421
 
@@ -24,9 +29,15 @@ PORT = 8421
     help=f"The port; by default {PORT}, or any if that is taken.",
 )
 @click.option(
+    "--slots",
+    metavar="P,P,...",
+    help=f"Who plays each agent of GAME, `{YOU}` yourself: {NAMES}",
+)
+@code_option
+@click.option(
     "--browser/--no-browser", default=True, help="Open the page in the browser.  [default: browser]"
 )
-def command(game: str | None, port: int | None, browser: bool) -> None:
+def command(game: str | None, port: int | None, slots: str | None, browser: bool) -> None:
     """Opens the games of this folder in the browser: text, board, rules on a page, generated code.
 
     GAME is the `.sj` file to open first, or a bundled game as an example. The page is served to
@@ -36,6 +47,13 @@ def command(game: str | None, port: int | None, browser: bool) -> None:
     require("studio", "starlette", "uvicorn", "websockets", "pygls")
     folder = Path.cwd().resolve()
     opened = None if game is None else _path_in_page(game, folder)
+    seats = None
+    if slots is not None:
+        if game is None or opened is None:
+            raise click.UsageError("--slots says who plays GAME: name a game before it")
+        built, _ = build_game(game_path(game))
+        names, _ = read_seats(slots, built.game)
+        seats = Seats(opened, tuple(names), allowed_code())
     import uvicorn
 
     from sjdsl.studio.server import make_app
@@ -46,7 +64,7 @@ def command(game: str | None, port: int | None, browser: bool) -> None:
     if browser:
         webbrowser.open(access.address)
     settings = uvicorn.Config(
-        make_app(folder, access, opened),
+        make_app(folder, access, opened, seats),
         log_level="warning",
         ws="websockets-sansio",
         ws_max_size=2**21,

@@ -67,8 +67,13 @@ OPTIONAL = ("players", "keys", "why")  # left out of a file if they aren't known
 def save_recording(recording: Recording, path: Path) -> None:
     """Writes the file of an episode, whole or not at all."""
     path.parent.mkdir(parents=True, exist_ok=True)
+    write_whole(path, recording_text(recording))
+
+
+def recording_text(recording: Recording) -> str:
+    """Returns what the file of an episode says."""
     unknown = {name for name in OPTIONAL if getattr(recording, name) is None}
-    write_whole(path, json.dumps(recording.model_dump(exclude=unknown)) + "\n")
+    return json.dumps(recording.model_dump(exclude=unknown)) + "\n"
 
 
 def read_recording(path: Path) -> Recording:

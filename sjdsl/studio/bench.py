@@ -6,9 +6,9 @@ How messages travel is the business of the server and the worker.
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, assert_never
+from typing import TYPE_CHECKING, Any, assert_never
 
-from sjdsl.compiler import ast, ir
+from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.ir.hash import game_hash
@@ -16,6 +16,7 @@ from sjdsl.interpreter.overflow import LeavesFloat32
 from sjdsl.interpreter.state import Cell
 from sjdsl.render.episode_page import Artist, make_page
 from sjdsl.render.look import make_look
+from sjdsl.replay.recording import recording_text
 from sjdsl.studio import requests as ask
 from sjdsl.studio.carried import carry_over
 from sjdsl.studio.counterexample import NoReplay, replay
@@ -43,8 +44,13 @@ from sjdsl.studio.panels import (
     state_panel,
     trace_panel,
 )
+from sjdsl.studio.recorded import CannotRecord, recording_of
+from sjdsl.studio.seats import CannotPlay, Seats
 from sjdsl.trace.choices import chooser
 from sjdsl.trace.rules import Rules
+
+if TYPE_CHECKING:  # it loads JAX, which the browser doesn't have
+    from sjdsl.studio.players import Players
 
 Answer = dict[str, Any]
 MAX_ERRORS = 50  # of a text that are sent to the page
@@ -60,16 +66,19 @@ class Bench:
     folder: of its maps and bases.
     opened: the game of the last text that compiled; there is none before the first.
     on_board: the game that is played: `opened`, or the same on the map of a counterexample.
-    others: the policy of the agents that the user doesn't control.
+    others: the policy of the agents that the user doesn't control, without seats.
     """
 
     opened: Opened
     on_board: Opened
     episode: Episode
+    _path: str  # of the text, in the page
     _artist: Artist
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, seats: Seats | None = None) -> None:
         self.folder = folder
+        self._seats = seats
+        self._players: Players | None = None
         self.seed = 0
         self.others = "random"
         self._is_empty = True  # no text has compiled yet
@@ -79,7 +88,15 @@ class Bench:
         """Returns the answer to a request; `refused` with the reason if it can't be done."""
         try:
             answer = self._perform(request)
-        except (Refused, TooLong, CannotPaint, NoReplay, FileRefused) as reason:
+        except (
+            Refused,
+            TooLong,
+            CannotPaint,
+            CannotPlay,
+            CannotRecord,
+            NoReplay,
+            FileRefused,
+        ) as reason:
             answer = {"refused": str(reason)}
         except LeavesFloat32 as overflow:
             answer = {"refused": Rules(self.opened.build.sources).overflow(overflow)}
@@ -100,7 +117,12 @@ class Bench:
                 return self._begin(request.seed)
             case ask.Others():
                 if request.policy not in _policies(self.on_board.game):
-                    raise Refused(f"the game has no policy `{request.policy}`")
+                    raise Refused(
+                        f"the game has no policy `{request.policy}`; trained agents and language "
+                        "models take seats where sjdsl and JAX are installed: start the studio "
+                        "with `sjdsl studio GAME --slots you,RUN@best,models.toml:NAME`, a name "
+                        "for each agent"
+                    )
                 self.others = request.policy
             case ask.Number():
                 self._set_number(request)
@@ -123,6 +145,8 @@ class Bench:
                 return {"panel": request.panel, **self._panel(request)}
             case ask.Share():
                 return self._share()
+            case ask.Record():
+                return self._record()
             case _:
                 assert_never(request)
         return self._scene()
@@ -145,7 +169,7 @@ class Bench:
         except CompileError as error:
             return {"version": request.version, "compiles": False, **_describe_errors(error, path)}
         episode = None
-        if not (request.fresh or self._is_empty):
+        if not (request.fresh or self._is_empty or request.path != self._path):
             episode = self._continue_under(opened)
         is_kept = episode is not None
         if episode is None:
@@ -154,6 +178,7 @@ class Bench:
             except LeavesFloat32 as overflow:
                 raise Refused(Rules(opened.build.sources).overflow(overflow)) from None
         self.opened = opened
+        self._path = request.path
         self._is_empty = False
         return {
             "version": request.version,
@@ -199,12 +224,12 @@ class Bench:
             "height": len(game.rows),
             "width": len(game.rows[0]),
             "agents": game.agents.number,
-            # Whether a `size` of the file says how many.
-            "agents_are_free": isinstance(opened.composition.number, ast.Path),
+            "agents_are_free": opened.agents_are_free,
             "actions": list(game.agents.actions),
             "keys": action_keys(game.agents.actions, game.agents.relative),
             "policies": _policies(game),
             "others": self.others,
+            "seats": list(self._names),
             "seed": self.seed,
             "variants": [
                 [v.name.text, v.title.text if v.title else ""]
@@ -229,19 +254,40 @@ class Bench:
 
     def _step(self, request: ask.Step) -> Answer:
         """Takes a step: the agents that the user controls as the request says, the others by their
-        policy."""
+        seats or, without any, by one policy."""
         game = self.on_board.game
         moment = self.episode.now
         if moment.is_over:
             raise Refused("the episode is over: go back, or begin it again")
+        for agent, action in request.actions.items():
+            self._check_agent(agent)
+            if not 0 <= action < len(game.agents.actions):
+                raise Refused("there is no such action")
+        if self._names:
+            self._seated_players().step(self.episode, self.on_board, request.actions)
+            return self._scene()
         choose = chooser(game, self.others, self.seed)
         actions = list(choose(self.episode.steps_taken, moment.world))
         for agent, action in request.actions.items():
-            if not 0 <= action < len(game.agents.actions):
-                raise Refused("there is no such action")
-            actions[self._check_agent(agent)] = action
+            actions[agent] = action
         self.episode.step(actions, self.on_board.values)
         return self._scene()
+
+    @property
+    def _names(self) -> tuple[str, ...]:
+        """Who plays each agent of the game on the board; nobody in particular if it is empty."""
+        if self._seats is None or self._seats.path != self._path or self._shows_counterexample:
+            return ()
+        return self._seats.names
+
+    def _seated_players(self) -> "Players":
+        """Returns who plays from the seats, loaded when they play for the first time."""
+        if self._players is None:
+            from sjdsl.studio.players import Players
+
+            assert self._seats is not None
+            self._players = Players(self._seats)
+        return self._players
 
     def _set_number(self, request: ask.Number) -> None:
         """Sets a param of the game on the board; without a counterexample, also of `opened`."""
@@ -322,6 +368,11 @@ class Bench:
         game = self.on_board.game
         moments = [self.episode.drawn(number) for number in range(len(self.episode.moments))]
         return {"html": make_page(game, moments).text, "name": f"{game.name}.html"}
+
+    def _record(self) -> Answer:
+        """Returns the episode as a file for `sjdsl replay`, and a name for it."""
+        recording = recording_of(self.episode, self.opened, self._names)
+        return {"recording": recording_text(recording), "name": f"{self.opened.game.name}.json"}
 
     # ---- checks
 

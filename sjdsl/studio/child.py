@@ -6,21 +6,29 @@ import json
 import sys
 from asyncio.subprocess import PIPE, Process
 from collections.abc import AsyncIterator
+from dataclasses import asdict
 from pathlib import Path
+
+from sjdsl.studio.seats import Seats
 
 LONGEST_LINE = 64 * 2**20  # bytes of one answer
 # Seconds that a request may take. Tests of checks take long, and so does a long counterexample.
 SECONDS = {"panel": 120.0, "replay": 120.0, "step": 60.0}
+SEATED = 3600.0  # seconds that a step may take with seats: policies load, and models think
 ANY = 20.0  # seconds that any other request may take
 START = 90.0  # seconds that Python and the compiler may take to load
 LATER = 10.0  # seconds after which a process that a page has taken is replaced
 
 
 class Child:
-    """A worker process; it is started again when it has ended. folder: of the games."""
+    """A worker process; it is started again when it has ended.
 
-    def __init__(self, folder: Path) -> None:
+    folder: of the games; seats: who plays one of them.
+    """
+
+    def __init__(self, folder: Path, seats: Seats | None = None) -> None:
         self._folder = folder
+        self._seats = seats
         self._process: Process | None = None
         self._turn = asyncio.Lock()
 
@@ -30,7 +38,10 @@ class Child:
         A request that takes too long, or ends the process, is refused with the reason.
         """
         async with self._turn:
-            limit = SECONDS.get(part_of(request, "do"), ANY)
+            asked = part_of(request, "do")
+            limit = SECONDS.get(asked, ANY)
+            if self._seats is not None and asked == "step":
+                limit = SEATED
             try:
                 process = self._process or await self._start()
                 assert process.stdin is not None
@@ -70,6 +81,8 @@ class Child:
     async def _start(self) -> Process:
         """Starts the process and waits until it has loaded. Raises TimeoutError."""
         command = [sys.executable, "-m", "sjdsl.studio.worker", str(self._folder)]
+        if self._seats is not None:
+            command.append(json.dumps(asdict(self._seats)))
         self._process = await asyncio.create_subprocess_exec(
             *command, stdin=PIPE, stdout=PIPE, limit=LONGEST_LINE
         )
@@ -81,11 +94,12 @@ class Child:
 class Spares:
     """Processes that are started before a page needs them, as the compiler takes long to load.
 
-    number: of processes that wait; a page takes two.
+    number: of processes that wait; a page takes two. seats: who plays one of the games.
     """
 
-    def __init__(self, folder: Path, number: int = 2) -> None:
+    def __init__(self, folder: Path, number: int = 2, seats: Seats | None = None) -> None:
         self._folder = folder
+        self._seats = seats
         self._number = number
         self._waiting: list[Child] = []
         self._filling: set[asyncio.Task[None]] = set()
@@ -93,7 +107,7 @@ class Spares:
 
     def take(self) -> Child:
         """Returns a process for a page. Another one starts later, when the page has been served."""
-        child = self._waiting.pop(0) if self._waiting else Child(self._folder)
+        child = self._waiting.pop(0) if self._waiting else Child(self._folder, self._seats)
         self._begin_to_fill(LATER)
         return child
 
@@ -120,7 +134,8 @@ class Spares:
 
     async def _fill_after(self, seconds: float) -> None:
         await asyncio.sleep(seconds)
-        missing = [Child(self._folder) for _ in range(self._number - len(self._waiting))]
+        number = self._number - len(self._waiting)
+        missing = [Child(self._folder, self._seats) for _ in range(number)]
         self._waiting += missing
         await asyncio.gather(*(child.begin() for child in missing))
 

@@ -25,11 +25,11 @@ def as_json(scenario: Scenario, game: ir.Game) -> dict[str, Any]:
     """Returns a scenario with all its actions, as `Replay` reads it."""
     return {
         "rows": list(game.rows),
-        "params": _plain(scenario.params),
+        "params": plain(scenario.params),
         "seed": scenario.seed,
         "episode": scenario.episode,
-        "bias": _plain(scenario.bias),
-        "actions": _plain(scenario.actions),
+        "bias": plain(scenario.bias),
+        "actions": plain(scenario.actions),
     }
 
 
@@ -90,10 +90,10 @@ def _check_fits(request: Replay, params: Sequence[tuple[str, Any]], game: ir.Gam
             )
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
     """Returns a value with lists in place of tuples, and Python's floats."""
     if isinstance(value, tuple | list):
-        return [_plain(entry) for entry in value]
+        return [plain(entry) for entry in value]
     return float(value) if isinstance(value, np.floating) else value
 
 

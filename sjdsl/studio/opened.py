@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from sjdsl.compiler import Build, build_composition, ir
+from sjdsl.compiler import Build, ast, build_composition, ir
 from sjdsl.compiler.compose import Composition, compose
 from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.elaborate import Overrides
@@ -30,6 +30,11 @@ class Opened:
     @property
     def game(self) -> ir.Game:
         return self.build.game
+
+    @property
+    def agents_are_free(self) -> bool:
+        """Whether a `size` of the file says how many agents there are."""
+        return isinstance(self.composition.number, ast.Path)
 
 
 def open_text(

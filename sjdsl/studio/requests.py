@@ -142,7 +142,25 @@ class Share(Request):
     do: Literal["share"]
 
 
+class Record(Request):
+    """Asks for the episode as a file for `sjdsl replay`."""
+
+    do: Literal["record"]
+
+
 AnyRequest = (
-    Text | Step | Go | Begin | Others | Number | Put | Paint | Write | Replay | Panel | Share
+    Text
+    | Step
+    | Go
+    | Begin
+    | Others
+    | Number
+    | Put
+    | Paint
+    | Write
+    | Replay
+    | Panel
+    | Share
+    | Record
 )
 READ: TypeAdapter[AnyRequest] = TypeAdapter(Annotated[AnyRequest, Field(discriminator="do")])

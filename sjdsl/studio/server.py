@@ -28,6 +28,7 @@ from sjdsl.studio.child import Spares
 from sjdsl.studio.files import answer_request
 from sjdsl.studio.folder import LARGEST, Folder
 from sjdsl.studio.language import serve_language
+from sjdsl.studio.seats import Seats
 
 ASSETS = {
     "studio.js": ("sjdsl.studio", "text/javascript"),
@@ -52,11 +53,16 @@ HEADERS = {
 }
 
 
-def make_app(folder: Path, access: Access, opened: str | None = None) -> Starlette:
-    """Returns the server of a folder. `opened`: the path of the game that the page opens first."""
+def make_app(
+    folder: Path, access: Access, opened: str | None = None, seats: Seats | None = None
+) -> Starlette:
+    """Returns the server of a folder.
+
+    opened: the path of the game that the page opens first; seats: who plays it.
+    """
     root = folder.resolve()
     answer_files = _make_file_handler(Folder(root))
-    spares = Spares(root)
+    spares = Spares(root, seats=seats)
     routes = [
         Route("/", _make_page_handler(opened)),
         Route("/assets/{name}", _answer_asset),

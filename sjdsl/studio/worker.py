@@ -1,5 +1,7 @@
 """The process of a bench, with requests and answers as lines of JSON.
 
+Its arguments are the folder of the games and, with seats, a `Seats` as JSON.
+
 Whatever a text makes it do ends with the process.
 """
 
@@ -16,6 +18,7 @@ from pydantic import ValidationError
 from sjdsl.studio.bench import Bench
 from sjdsl.studio.child import number_of
 from sjdsl.studio.requests import READ
+from sjdsl.studio.seats import Seats
 
 MEMORY = 8 * 2**30  # bytes of address space for a bench; JAX reserves some
 
@@ -27,7 +30,8 @@ def main() -> None:
     os.environ.setdefault("JAX_PLATFORMS", "cpu")
     answers = sys.stdout
     sys.stdout = sys.stderr  # so that nothing else is printed among the answers
-    bench = Bench(Path(sys.argv[1]))
+    folder, *seats = sys.argv[1:]
+    bench = Bench(Path(folder), Seats(**json.loads(seats[0])) if seats else None)
     with contextlib.suppress(BrokenPipeError, KeyboardInterrupt):  # the server has ended
         collect_seldom()
         print(json.dumps({"ready": True}), file=answers, flush=True)

@@ -6,7 +6,7 @@ import re
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
@@ -36,9 +36,9 @@ game yard "Yard" {
 
 
 class Studio:
-    """A server of a folder. `address`: of its page."""
+    """A server of a folder. `address`: of its page; options: further ones of the command."""
 
-    def __init__(self, folder: Path, port: int = 0) -> None:
+    def __init__(self, folder: Path, port: int = 0, options: Sequence[str] = ()) -> None:
         command = [
             sys.executable,
             "-m",
@@ -48,6 +48,7 @@ class Studio:
             "--no-browser",
             "--port",
             str(port),
+            *options,
         ]
         environment = os.environ | {"XDG_CACHE_HOME": str(folder / ".cache")}
         self.folder = folder
@@ -70,9 +71,10 @@ class Studio:
 
 
 @pytest.fixture
-def studio(tmp_path: Path) -> Iterator[Studio]:
+def studio(tmp_path: Path, request: pytest.FixtureRequest) -> Iterator[Studio]:
+    """Returns a server of a folder with a game; a test's parameters are options of the command."""
     (tmp_path / "yard.sj").write_text(GAME, encoding="utf-8")
-    started = Studio(tmp_path)
+    started = Studio(tmp_path, options=getattr(request, "param", ()))
     yield started
     started.stop()
 

@@ -1,7 +1,9 @@
 """The studio in a browser, with its real server: text, board, keys, panels, and what happens when the server is gone."""
 
+import json
 import re
 
+import pytest
 from playwright.sync_api import Page, expect
 
 from tests.browser.studio_page import GAME, Studio, opened, part, studio, type_over
@@ -156,3 +158,28 @@ def test_texts_of_a_game_run_nothing(opened: Page) -> None:
     opened.wait_for_timeout(500)
     assert opened.title() == "yard.sj · sjdsl studio"
     assert part(opened, "panel").locator("img, script").count() == 0
+
+
+@pytest.mark.parametrize("studio", [("--slots", "stay,you")], indirect=True)
+def test_a_person_plays_from_a_seat(opened: Page) -> None:
+    """Who sits where stands at the board; the person's keys act at once, and the episode is recorded."""
+    names = part(opened, "agents").locator("td:first-child")
+    expect(names).to_have_text(["0 stay", "1 you"])
+    expect(part(opened, "driven")).to_be_disabled()
+    part(opened, "forward").click()
+    expect(part(opened, "message")).to_contain_text("you play agent 1")
+    part(opened, "board").focus()
+    opened.keyboard.press("ArrowLeft")
+    expect(part(opened, "step")).to_have_text("step 1")
+    actions = part(opened, "agents").locator("td:nth-child(2)")
+    expect(actions).to_have_text(["stay", "turn_left"])
+    with opened.expect_download() as download:
+        part(opened, "record").click()
+    recorded = json.loads(download.value.path().read_text())
+    assert (recorded["players"], recorded["actions"]) == (["stay", "you"], [[2, 0]])
+
+
+def test_a_trained_agent_is_not_offered_without_a_seat(opened: Page) -> None:
+    part(opened, "others").select_option("RUN@best")
+    expect(part(opened, "message")).to_contain_text("sjdsl studio GAME --slots you,RUN@best")
+    expect(part(opened, "others")).to_have_value("random")

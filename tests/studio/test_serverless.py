@@ -38,6 +38,8 @@ def test_examples_are_opened_and_played(alone: Serverless) -> None:
     )
     assert opened["compiles"]
     assert json.loads(alone.bench(json.dumps({"do": "step", "id": 2})))["at"] == 1
+    trained = json.loads(alone.bench('{"do": "others", "policy": "RUN@best", "id": 4}'))["refused"]
+    assert "take seats where sjdsl and JAX are installed" in trained
     assert "unknown" in json.loads(alone.bench('{"do": "nothing", "id": 3}'))["refused"]
 
 

@@ -112,6 +112,11 @@ def allow_code(*names: str) -> None:
         _ALLOWED.add(_with_whole_path(name))
 
 
+def allowed_code() -> tuple[str, ...]:
+    """Returns what has been allowed, for another process to allow it too."""
+    return tuple(sorted(_ALLOWED))
+
+
 def require_allowed(kind: Kind, name: str, place: str) -> None:
     """Raises NotAllowed unless the caller has allowed the code that `place` names."""
     if ":" not in name or (kind, name) in _REGISTERED or _with_whole_path(name) in _ALLOWED:

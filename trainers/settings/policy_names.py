@@ -8,6 +8,7 @@ RUN@best, RUN@120             its best, or that of an update
 FILE.safetensors              a stored policy, with its .json beside it
 FILE.py:NAME                  a user's function, also by a registered name
 FILE.toml:NAME                a language model, in a role with NAME+ROLE
+you                           a person, in line-ups of `sjdsl play` and `sjdsl studio`
 """
 
 from collections.abc import Sequence
@@ -19,6 +20,7 @@ from sjdsl.near_names import meant
 from .extensions import absolute_name, is_own, name_of
 
 UNTRAINED = ("random", "stay")  # they need no file: `sjdsl.runtime.policy.UNTRAINED`
+YOU = "you"
 LARGEST_DESCRIPTION = 2**20  # bytes of the .json beside a stored policy
 KNOWN = (
     "random, stay, a policy of the game's file, the folder RUN of a run, RUN@best, RUN@UPDATE, "
@@ -63,3 +65,22 @@ def unknown_policy(name: str, declared: Sequence[str] = ()) -> str:
     if near:
         return f"there is no policy `{name}`{near} A policy is {KNOWN}"
     return f"there is no policy `{name}`; a policy is {KNOWN}"
+
+
+def seat_of_person(seats: Sequence[str], num_agents: int, game: str) -> int | None:
+    """Returns the agent that a person plays in a line-up, None if it is nobody.
+
+    Args:
+      seats: the name of who plays each agent; game: the name of the game, for messages.
+
+    Raises:
+      ValueError: they aren't as many as the agents, or a person plays several.
+    """
+    if len(seats) != num_agents:
+        raise ValueError(
+            f"{game} has {num_agents} agents, but --slots names {len(seats)}; name one for each"
+        )
+    yours = [agent for agent, name in enumerate(seats) if name == YOU]
+    if len(yours) > 1:
+        raise ValueError(f"`{YOU}` can play one agent; it is named {len(yours)} times")
+    return yours[0] if yours else None

@@ -193,10 +193,7 @@ function showGame({ game, pictures }) {
   find("crew").title = find("crew").disabled ? "The text says how many: name a `size` after `agents` to choose here" : "Number of agents; empty: as the text says";
   find("diff").hidden = !game.chosen.length;
   find("counterexample").hidden = !game.counterexample;
-  options(find("others"), game.policies.map((name) => [name, name]), game.others);
-  const nobody = shown.driven === null || shown.driven >= game.agents;
-  if (nobody) shown.driven = null;
-  options(find("driven"), [["", "nobody"], ...Array.from({ length: game.agents }, (_, agent) => [String(agent), `agent ${agent}`])], nobody ? "" : String(shown.driven));
+  showRoles(game);
   find("seed").value = game.seed;
   options(find("glyph"), [["", "nothing"], ...game.glyphs], game.glyphs.some(([glyph]) => glyph === find("glyph").value) ? find("glyph").value : "");
   showNumbers(find("numbers"), game.numbers, { set: setNumber, write: writeNumber });
@@ -205,6 +202,22 @@ function showGame({ game, pictures }) {
   curves.begin(game);
   board.begin(game);
   shown.agent = Math.min(shown.agent, game.agents - 1);
+}
+
+// Who is driven and who drives the others, which the seats say if there are any.
+function showRoles(game) {
+  const isSeated = game.seats.length > 0, wasSeated = find("driven").disabled;
+  find("driven").disabled = find("others").disabled = isSeated;
+  if (isSeated) {
+    const person = game.seats.indexOf("you");
+    shown.driven = person < 0 ? null : person;
+    options(find("others"), [["", "as seated"]], "");
+  } else {
+    if (wasSeated || shown.driven >= game.agents) shown.driven = null;
+    options(find("others"), [...game.policies.map((name) => [name, name]), ["RUN@best", "trained, or a model"]], game.others);
+  }
+  options(find("driven"), [["", "nobody"], ...Array.from({ length: game.agents }, (_, agent) => [String(agent), `agent ${agent}`])], String(shown.driven ?? ""));
+  showKeys();
 }
 
 function options(select, pairs, chosen) {
@@ -282,7 +295,7 @@ function showScene(answer) {
     const swatch = element("span", { class: "swatch" });
     swatch.style.background = colour;
     const action = answer.scene.actions.length ? open.game.actions[answer.scene.actions[agent]] : "";
-    const cells = [[swatch, String(agent)], [action], [answer.scene.rewards[agent] || ""], [answer.scene.returns[agent]]];
+    const cells = [[swatch, `${agent} ${open.game.seats[agent] ?? ""}`.trim()], [action], [answer.scene.rewards[agent] || ""], [answer.scene.returns[agent]]];
     return element("tr", { class: agent === shown.driven ? "driven" : "" }, ...cells.map((inner) => element("td", {}, ...inner.map((part) => part instanceof Node ? part : String(part)))));
   }));
   if (!shown.running) tell(described(answer));
@@ -371,14 +384,19 @@ find("crew").addEventListener("change", () => {
 find("save-as").addEventListener("click", saveAs);
 window.addEventListener("focus", lookAgain);
 find("save").addEventListener("click", () => save());
-find("share").addEventListener("click", async () => {
-  const answer = await bench.ask({ do: "share" });
+find("share").addEventListener("click", () => download("share", ({ html }) => [html, "text/html"]));
+find("record").addEventListener("click", () => download("record", ({ recording }) => [recording, "application/json"]));
+window.addEventListener("beforeunload", (event) => { if (view && isUnsaved()) event.preventDefault(); });
+
+// Offers what the bench makes of the episode as a file. contentOf: its text and type, of the answer.
+async function download(what, contentOf) {
+  const answer = await bench.ask({ do: what });
   if (answer.refused) return say(answer.refused);
-  const link = element("a", { href: URL.createObjectURL(new Blob([answer.html], { type: "text/html" })), download: answer.name });
+  const [text, type] = contentOf(answer);
+  const link = element("a", { href: URL.createObjectURL(new Blob([text], { type })), download: answer.name });
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
-});
-window.addEventListener("beforeunload", (event) => { if (view && isUnsaved()) event.preventDefault(); });
+}
 
 function showKeys() {
   const names = Object.entries(open.game?.keys ?? {}).map(([key, action]) => `${key.replace("full_stop", ".").replace("comma", ",")} ${open.game.actions[action]}`);
