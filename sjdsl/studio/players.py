@@ -11,6 +11,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.interpreter.observe import observe
 from sjdsl.interpreter.state import Outcome
@@ -51,18 +52,7 @@ class Players:
             can't be loaded, or a model can't be asked.
           TooLong, LeavesFloat32: as `Episode.step`.
         """
-        game = opened.game
-        try:
-            person = seat_of_person(self._names, game.agents.number, game.name)
-        except ValueError as error:
-            raise CannotPlay(str(error)) from None
-        for agent in driven:
-            if agent != person:
-                raise CannotPlay(f"agent {agent} is played by {self._names[agent]}, not by you")
-        if person is not None and person not in driven:
-            raise CannotPlay(
-                f"you play agent {person}: click on the board, and press the key of an action"
-            )
+        self._check_driven(opened.game, driven)
         try:
             if opened is not self._opened:
                 self._load(opened)
@@ -81,7 +71,7 @@ class Players:
             )
             state = compiled_state(self._env, self._blank, world)
             memory, chosen = self._act(
-                self._memories[episode.at], key, jnp.asarray(observe(game, world)), state
+                self._memories[episode.at], key, jnp.asarray(observe(opened.game, world)), state
             )
             actions = [driven.get(agent, int(action)) for agent, action in enumerate(chosen)]
             episode.step(actions, opened.values)
@@ -95,6 +85,20 @@ class Players:
             raise CannotPlay(str(error)) from None
         except CompileError as error:
             raise CannotPlay(error.diagnostics[0].message) from None
+
+    def _check_driven(self, game: ir.Game, driven: Mapping[int, int]) -> None:
+        """Raises CannotPlay unless the person's agent is driven, and no other."""
+        try:
+            person = seat_of_person(self._names, game.agents.number, game.name)
+        except ValueError as error:
+            raise CannotPlay(str(error)) from None
+        for agent in driven:
+            if agent != person:
+                raise CannotPlay(f"agent {agent} is played by {self._names[agent]}, not by you")
+        if person is not None and person not in driven:
+            raise CannotPlay(
+                f"you play agent {person}: click on the board, and press the key of an action"
+            )
 
     def _load(self, opened: Opened) -> None:
         """Loads the policies for a game.
