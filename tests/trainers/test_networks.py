@@ -48,10 +48,12 @@ def kind(request: pytest.FixtureRequest) -> str:
 
 
 @cache
-def _read_changed(kind: str, central: bool) -> tuple[Any, jax.Array, jax.Array]:
+def _read_changed(kind: str, critic: str) -> tuple[Any, jax.Array, jax.Array]:
     """Returns parameters, and logits and values `[1 + N * P, B, N, ...]` of `_changed_in_turn`."""
+    central = critic == "observations"
     joint_planes = PLANES * AGENTS if central else None
-    network = ActorCritic(7, AGENTS, PLANES, joint_planes, layers(kind, 16))
+    settings = {} if critic == "window" else {"algorithm": "mappo", "critic": critic}
+    network = ActorCritic(7, AGENTS, PLANES, joint_planes, layers(kind, 16, **settings))
 
     @partial(jax.jit, compiler_options=FAST_TO_COMPILE)
     def read(key: jax.Array) -> tuple[Any, jax.Array, jax.Array]:
@@ -66,7 +68,7 @@ def _read_changed(kind: str, central: bool) -> tuple[Any, jax.Array, jax.Array]:
 
 
 def test_shapes_and_initial_scale(kind: str) -> None:
-    parameters, logits, values = _read_changed(kind, False)
+    parameters, logits, values = _read_changed(kind, "window")
     assert logits.shape == (1 + AGENTS * 3, ENVS, AGENTS, 7)
     assert values.shape == (1 + AGENTS * 3, ENVS, AGENTS)
     assert jax.nn.softmax(logits).max() < 1 / 7 + 0.02
@@ -94,7 +96,7 @@ def test_actor_and_critic_can_have_their_hidden_layer_in_common() -> None:
 
 
 def test_every_plane_of_an_agents_own_window_reaches_its_outputs_and_no_other(kind: str) -> None:
-    for outputs in map(np.asarray, _read_changed(kind, False)[1:]):
+    for outputs in map(np.asarray, _read_changed(kind, "window")[1:]):
         told = np.abs(outputs[1:] - outputs[0]).reshape(AGENTS, 3, ENVS, AGENTS, -1).max(axis=-1)
         for changed in range(AGENTS):
             for agent in range(AGENTS):
@@ -103,9 +105,10 @@ def test_every_plane_of_an_agents_own_window_reaches_its_outputs_and_no_other(ki
 
 
 @pytest.mark.parametrize("kind", ["mlp", pytest.param("cnn", marks=pytest.mark.thorough)])
-def test_every_plane_of_all_windows_reaches_a_central_critic(kind: str) -> None:
+@pytest.mark.parametrize("critic", ["observations", "pooled"])
+def test_every_plane_of_all_windows_reaches_a_central_critic(kind: str, critic: str) -> None:
     """And nothing but an agent's own window reaches its logits."""
-    _, logits, values = map(np.asarray, _read_changed(kind, True))
+    _, logits, values = map(np.asarray, _read_changed(kind, critic))
     assert (np.abs(values[1:] - values[0]) > 1e-6).all()
     told = np.abs(logits[1:] - logits[0]).reshape(AGENTS, 3, ENVS, AGENTS, -1).max(axis=(1, 2, 4))
     assert (told > 1e-6).tolist() == np.eye(AGENTS, dtype=bool).tolist()

@@ -24,7 +24,7 @@ from probes import (
     uneven,
 )
 
-from sjdsl.trainers import PPOConfig, TrainState, make_train
+from sjdsl.trainers import PPOConfig, TrainState, make_config, make_train
 from sjdsl.trainers.algorithms.losses import Batch
 from sjdsl.trainers.algorithms.optimisers import (
     learning_rate_schedule,
@@ -53,6 +53,7 @@ VARIANTS = {
     "ippo": {},
     "mappo": CENTRAL,
     "mappo of the state": {**CENTRAL, "critic": "state"},
+    "mappo, pooled": {**CENTRAL, "critic": "pooled"},
     "per agent": {"sharing": "per_agent"},
     "memory": {"memory": "gru"},
 }
@@ -78,9 +79,8 @@ def test_every_minibatch_of_every_epoch_is_a_gradient_step(changes: dict[str, An
     _, state = trained(changes)
     assert int(state.updates) == 100
     counts = [leaf for leaf in jax.tree.leaves(state.learner.opt_state) if leaf.dtype == jnp.int32]
-    assert len(counts) == (
-        4 if changes.get("algorithm") == "mappo" else 2
-    )  # there actor and critic have an optimiser each
+    # a critic with a torso has an optimiser of its own
+    assert len(counts) == (4 if make_config(changes).critic_has_torso else 2)
     for count in (state.learner.step, *counts):
         np.testing.assert_array_equal(count, 2 * 2 * 100)
 
@@ -146,6 +146,7 @@ def less_sure(parameters: Any) -> Any:
         pytest.param({"memory": "gru"}, marks=pytest.mark.slow),
         pytest.param({}, marks=pytest.mark.slow),
         pytest.param({**CENTRAL, "critic": "state"}, marks=pytest.mark.slow),
+        pytest.param({**CENTRAL, "critic": "pooled", "memory": "gru"}, marks=pytest.mark.slow),
         pytest.param({**CENTRAL, "memory": "gru", "sharing": "per_agent"}, marks=pytest.mark.slow),
         pytest.param({"memory": "gru", "memory_reads": READS}, marks=pytest.mark.slow),
         pytest.param(
@@ -161,6 +162,7 @@ def less_sure(parameters: Any) -> Any:
         "memory",
         "ippo",
         "mappo of the state",
+        "mappo, pooled, with memory",
         "all at once",
         "memory of rewards",
         "all at once, of rewards",
@@ -426,14 +428,13 @@ def test_gradients_are_clipped_by_their_global_norm() -> None:
     )
 
 
-@pytest.mark.parametrize("joint", [False, True])
-def test_a_central_critic_has_an_optimiser_and_a_clip_of_its_own(joint: bool) -> None:
+@pytest.mark.parametrize("reads", ["observations", "pooled"])
+def test_a_critic_with_a_torso_has_an_optimiser_and_a_clip_of_its_own(reads: str) -> None:
     """The critic's gradients are a hundred times the actor's in the first step: clipped together, they take all of its norm."""
-    optimiser = make_optimiser(
-        PPOConfig(
-            algorithm="mappo", joint_optimiser=joint, learning_rate=0.1, anneal_learning_rate=False
-        )
+    config = PPOConfig(
+        algorithm="mappo", critic=reads, learning_rate=0.1, anneal_learning_rate=False
     )
+    optimiser = make_optimiser(config)
     actor, critic = np.array([[0.3, 0.4], [0.06, -0.08]]), np.array([[30.0, 40.0], [0.4, 0.1]])
     parameters = {"params": {"actor": jnp.zeros(2), "critic_torso": jnp.zeros(2)}}
     memory = optimiser.init(parameters)
@@ -445,7 +446,7 @@ def test_a_central_critic_has_an_optimiser_and_a_clip_of_its_own(joint: bool) ->
         parameters = optax.apply_updates(parameters, updates)
     wanted = (
         _two_steps(np.concatenate([actor, critic], axis=1))
-        if joint
+        if reads == "pooled"
         else np.concatenate([_two_steps(actor), _two_steps(critic)])
     )
     np.testing.assert_allclose(

@@ -22,6 +22,7 @@ from probes import (
 TOLERANCE = 0.1
 CENTRAL = {"algorithm": "mappo"}
 OF_STATE = {"algorithm": "mappo", "critic": "state"}
+POOLED = {"algorithm": "mappo", "critic": "pooled"}
 CRITICS = pytest.mark.parametrize(
     "changes",
     [
@@ -113,14 +114,15 @@ def test_agents_with_networks_of_their_own_learn_opposite_things() -> None:
 @pytest.mark.thorough
 def test_a_central_critic_sees_what_an_agent_does_not() -> None:
     """A critic of agent 0's own window knows only the mean."""
-    own, everybodys, of_state = (
-        learn(hidden(), **changes)[0] for changes in ({}, CENTRAL, OF_STATE)
+    own, everybodys, pooled, of_state = (
+        learn(hidden(), **changes)[0] for changes in ({}, CENTRAL, POOLED, OF_STATE)
     )
     for cue, worth in ((0, -1.0), (1, 1.0)):
         np.testing.assert_allclose(judge(hidden(), own, [2, cue])[1], [0.0, worth], atol=0.2)
-        np.testing.assert_allclose(
-            judge(hidden(), everybodys, [2, cue], **CENTRAL)[1], [worth, worth], atol=TOLERANCE
-        )
+        for state, changes in ((everybodys, CENTRAL), (pooled, POOLED)):
+            np.testing.assert_allclose(
+                judge(hidden(), state, [2, cue], **changes)[1], [worth, worth], atol=TOLERANCE
+            )
         np.testing.assert_allclose(
             judge(hidden(), of_state, [2, cue], [cue, 0], **OF_STATE)[1],
             [worth, worth],

@@ -81,6 +81,12 @@ def test_a_critic_of_the_state_needs_that_of_the_end() -> None:
         jax.eval_shape(lambda key: program.collect(program.init(key)), jax.random.key(0))
 
 
+def test_a_pooled_critic_needs_a_network_that_agents_share() -> None:
+    config = quick(**CENTRAL, critic="pooled", sharing="per_agent")
+    with pytest.raises(ConfigError, match="set sharing=shared, or critic to observations or state"):
+        make_train(matching(), config)
+
+
 # numbers of agents
 
 

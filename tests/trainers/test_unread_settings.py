@@ -136,6 +136,6 @@ def test_programs_read_what_they_are_said_to(algorithm: str, network: str) -> No
     config = quick(algorithm=algorithm, network=network)
     before = program(config)
     for name, mark in dependent_settings(type(config)).items():
-        if mark.setting in ("algorithm", "network"):
+        if mark.setting in ("algorithm", "critic", "network"):
             changed = program(config.model_copy(update={name: other(config, name)})) != before
             assert changed == (name not in config.unread), name

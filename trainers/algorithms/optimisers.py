@@ -45,8 +45,8 @@ def make_optimiser(config: PPOConfig) -> optax.GradientTransformation:
 
 
 def parts(config: PPOConfig) -> tuple[str, ...]:
-    """Returns the parts with an optimiser each: a central critic shares no layer with its actor."""
-    return ("actor", "critic") if config.algorithm == "mappo" and not config.joint_optimiser else ()
+    """Returns the parts with an optimiser each: a critic that shares no layer with its actor."""
+    return ("actor", "critic") if config.critic_has_torso else ()
 
 
 def part_of_each(parameters: Any) -> Any:

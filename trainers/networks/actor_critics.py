@@ -128,18 +128,23 @@ def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
 
     Raises:
       ConfigError: the environment has no token observations, or no state vector for the critic;
-        `partners` don't fit the agents.
+        `partners` don't fit the agents; a pooled critic has agents with networks of their own.
     """
+    if config.algorithm == "mappo" and config.critic == "pooled" and config.sharing == "per_agent":
+        raise ConfigError(
+            "critic=pooled averages over agents that share a network: "
+            "set sharing=shared, or critic to observations or state"
+        )
     planes = token_planes(env)
     joint_planes: Planes | None = None
     blank_joint: Array | None = None
     state_vector: Callable[[Any], Array] | None = None
     observation, state = reset_shapes(env)
-    if config.algorithm == "mappo" and config.critic == "state":
+    if config.critic_has_torso and config.critic == "state":
         joint_planes = ()
         state_vector = vector_function(env)
         blank_joint = jnp.zeros((1, 1, *jax.eval_shape(state_vector, state).shape), jnp.float32)
-    elif config.algorithm == "mappo":
+    elif config.critic_has_torso:
         joint_planes = planes * env.num_agents
         blank_joint = jnp.zeros((1, 1, len(joint_planes), *observation.shape[2:]), jnp.uint8)
     teams = make_teams(env, config)

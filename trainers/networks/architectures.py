@@ -130,6 +130,12 @@ def with_numbers(features: Array, agents: Array | None, number: int) -> Array:
     return jnp.concatenate([features, numbers], axis=-1)
 
 
+def with_mean_of_agents(features: Array) -> Array:
+    """Returns features `[..., S, K]` with their mean over the agents: `[..., S, 2 K]`."""
+    mean = jnp.broadcast_to(features.mean(axis=-2, keepdims=True), features.shape)
+    return jnp.concatenate([features, mean], axis=-1)
+
+
 class Recurrence(nn.Module):
     """A gated recurrent unit along the first axis, reset at the start of an episode."""
 
@@ -188,8 +194,9 @@ class Head(nn.Module):
 class ActorCritic(nn.Module):
     """The network that S agents share: a policy given an agent's window, and a value.
 
-    With a local critic, policy and value share one torso, and a hidden layer after it if
-    `share_hidden`; the value depends on the agent's own window. With a central one, the critic is a separate network that sees `joint`, the same for all
+    Policy and value share one torso, and a hidden layer after it if `share_hidden`. The value
+    depends on the agent's own window; with `critic=pooled` also on the mean over the S agents of
+    these features. Or the critic is a network of its own that sees `joint`, the same for all
     agents, and returns all S values at once, so it doesn't need agents' numbers. It reads the last
     steps of all S agents if each agent reads its own.
     """
@@ -197,7 +204,7 @@ class ActorCritic(nn.Module):
     num_actions: int
     num_agents: int  # S
     planes: Planes
-    joint_planes: Planes | None  # None: a local critic; (): joint is a vector
+    joint_planes: Planes | None  # None: one torso; (): joint is a vector
     config: PPOConfig
     numbers: int = 0  # N if the agents' numbers are an input, else 0
 
@@ -216,7 +223,7 @@ class ActorCritic(nn.Module):
           memory: from the previous step; initially from `start_memory`. To read several steps, it
             has what agents read in each, as `over_rollout` returns it.
           observation: `[L, M, S, P, V, V]` uint8.
-          joint: `[L, M, ...]`, the input of a central critic; None for a local one.
+          joint: `[L, M, ...]`, the input of a critic with a torso of its own, or None.
           fresh: `[L, M]` bool, whether the episode starts with this step.
           agents: `[S]` int32, the numbers of the agents; used only if they are an input.
         Returns:
@@ -236,6 +243,8 @@ class ActorCritic(nn.Module):
             features = dense(features, config)
         logits = head(self.num_actions, gain=ACTOR_GAIN, name="actor")(features)
         if self.joint_planes is None:
+            if config.algorithm == "mappo":
+                features = with_mean_of_agents(features)
             return memory, logits, critic(1)(features)[..., 0]
         assert joint is not None
         features = Torso(self.joint_planes, config, name="critic_torso")(joint)

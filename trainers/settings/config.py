@@ -163,12 +163,12 @@ class Only:
 
     setting: str  # the other one
     values: str  # its values, in words
-    holds: Callable[[Any], bool]  # whether a value is one of them
+    holds: Callable[[Any], bool]  # whether a configuration has one of them
 
 
 def only(setting: str, *values: str) -> Only:
     """Annotates a setting that is used only if `setting` has one of these values."""
-    return Only(setting, " or ".join(values), lambda value: value in values)
+    return Only(setting, " or ".join(values), lambda config: getattr(config, setting) in values)
 
 
 def _policy_name(value: Any, info: ValidationInfo) -> Any:
@@ -204,16 +204,17 @@ INEQUITY = only("reward", "inequity")
 TRACES = Only(
     "reward",
     "svo or one of your own",
-    lambda reward: reward not in get_args(RewardMode) or reward == "svo",
+    lambda config: config.reward not in get_args(RewardMode) or config.reward == "svo",
 )
 SCALED = only("reward", "individual", "svo", "exchange", "inequity")
 CNN = only("network", "cnn")
 MAPPO = only("algorithm", "mappo")
-LOCAL_CRITICS = Only("algorithm", "ippo", lambda name: name != "mappo")
+ONE_TORSO = Only("critic", "pooled", lambda config: not config.critic_has_torso)
 REMEMBERED = only("memory", "gru")
 BUFFER = only("replay", "buffer")
 ROLLOUT = only("replay", "none")
-BY_TIME = Only("checkpoint_updates", "0", operator.not_)
+BY_TIME = Only("checkpoint_updates", "0", lambda config: not config.checkpoint_updates)
+EVALUATED = Only("evaluate_every", "1 or more", lambda config: config.evaluate_every > 0)
 
 
 class Config(BaseModel):
@@ -285,7 +286,7 @@ class Config(BaseModel):
     policy_every: CountOrZero = 0  # updates between numbered policies; 0: a twentieth of the run
     keep_policies: CountOrZero = 5  # how many of the latest are kept; 0: all
     evaluate_every: CountOrZero = 0  # updates between evaluations; 0: none during the run
-    evaluation_episodes: Annotated[Count, Only("evaluate_every", "1 or more", bool)] = 30
+    evaluation_episodes: Annotated[Count, EVALUATED] = 30
 
     @model_validator(mode="wrap")
     @classmethod
@@ -347,7 +348,7 @@ class Config(BaseModel):
         return {
             name: condition
             for name, condition in dependent_settings(type(self)).items()
-            if not condition.holds(getattr(self, condition.setting))
+            if not condition.holds(self)
         }
 
     @property
@@ -393,7 +394,7 @@ class Config(BaseModel):
 
 
 class PPOConfig(Config):
-    """Proximal policy optimisation with local critics (ippo) or a central critic (mappo)."""
+    """Proximal policy optimisation whose critics read an agent's window (ippo), or all (mappo)."""
 
     # or a custom one
     algorithm: Annotated[str, _hook_validator("algorithm", "ippo", "mappo")] = "ippo"
@@ -417,16 +418,20 @@ class PPOConfig(Config):
     preference_noise: NonNegativeFloat = 0.0
 
     # actor and critic have a hidden layer in common after the torso, instead of one each
-    share_hidden: Annotated[bool, LOCAL_CRITICS] = False
-    # the critic's input: all agents' windows, or the state
-    critic: Annotated[Literal["observations", "state"], MAPPO] = "observations"
-    # one optimiser and one gradient clip for actor and critic, as in ippo; else one each
-    joint_optimiser: Annotated[bool, MAPPO] = False
+    share_hidden: Annotated[bool, ONE_TORSO] = False
+    # what a critic reads: in a network of its own, all agents' windows, or the state; or `pooled`,
+    # what the actors' network makes of the agent's window, and the mean of that over all agents
+    critic: Annotated[Literal["observations", "state", "pooled"], MAPPO] = "observations"
     sharing: Literal["shared", "per_agent"] = "shared"  # whether agents share a network
     memory: Literal["none", "gru"] = "none"
     # what agents with memory also read: their last action and reward; `trial`: whether a trial of
     # several in an episode, or the episode, starts
     memory_reads: Annotated[Reads, REMEMBERED] = ()
+
+    @property
+    def critic_has_torso(self) -> bool:
+        """Whether the critic shares no layer with its actor."""
+        return self.algorithm == "mappo" and self.critic != "pooled"
 
 
 def _require_common(reward: Any) -> Any:
