@@ -57,7 +57,7 @@ function state({ answer }) {
 function seen({ answer, board, chooseAgent, count }) {
   const choice = element("select", { onchange: (event) => chooseAgent(Number(event.target.value)) });
   for (let agent = 0; agent < count; agent++) choice.append(new Option(`agent ${agent}`, agent, false, agent === answer.agent));
-  const made = [element("label", {}, "What ", choice, " sees. Its heading points up.")];
+  const made = [element("label", {}, "What ", choice, " sees, as a picture and plane by plane. Its heading points up.")];
   if (answer.window) {
     const window = element("canvas", { class: "window", role: "img", "aria-label": "The cells that the agent sees" });
     board.paintWindow(window, answer.window, answer.heading);
