@@ -9,14 +9,14 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from PIL import Image, ImageDraw, ImageFont, ImageSequence
+from PIL import Image, ImageDraw, ImageSequence
 
 from sjdsl.render.colours import INK, PAPER
 from sjdsl.render.film import MILLISECONDS, save_gif
+from sjdsl.render.status import FONT
 
 GAP = 20  # pixels between the films
-CAPTION = 30  # pixels above a film
-FONT = ImageFont.load_default(15)
+CAPTION = 26  # pixels above a film
 
 
 def main() -> None:

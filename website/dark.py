@@ -13,7 +13,7 @@ from sjdsl.render.film import save_gif
 PAPER = np.array((30, 33, 41))  # of the theme's dark pages
 INK = np.array((226, 228, 233))
 WHITE = 246  # of 255: a pixel from here on in all colours is paper
-LETTER = 13  # pixels: what is higher is a picture
+LETTER = 14  # pixels: what is higher is a picture
 GREY = 40  # a letter's colours differ by less
 PICTURES = r"pictures/[\w/]+"
 SHOWN = re.compile(rf'<picture>.*?</picture>|<img [^>]*src="[^"]*{PICTURES}\.(?:png|gif)"[^>]*>')
@@ -53,7 +53,10 @@ def darkened(frame: Image.Image) -> Image.Image:
     is_kept = ndimage.binary_fill_holes(~is_paper & ~is_letter)
     darkness = 1 - pixels.mean(axis=2, keepdims=True) / 255  # [H, W, 1]
     flipped = PAPER + darkness * (INK - PAPER)
-    return Image.fromarray(np.where(is_kept[..., None], pixels, flipped).astype(np.uint8))
+    is_outline = is_kept & (spread < GREY) & ndimage.binary_dilation(~is_kept)
+    outline = (1 - darkness) * PAPER  # black, as far as it covers the paper
+    kept = np.where(is_outline[..., None], outline, pixels)
+    return Image.fromarray(np.where(is_kept[..., None], kept, flipped).astype(np.uint8))
 
 
 def write_dark(source: Path, target: Path) -> None:
