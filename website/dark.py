@@ -33,6 +33,8 @@ def both_palettes(html: str) -> str:
 
     def twice(shown: re.Match[str]) -> str:
         text = shown.group()
+        if not NAME.search(text):
+            return text
         light = re.sub(r'(<img [^>]*src="[^"]+)"', r'\1#only-light" loading="lazy"', text)
         return light + dark_name(light).replace("#only-light", "#only-dark")
 

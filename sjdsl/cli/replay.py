@@ -92,9 +92,7 @@ def command(
             moments = announced(replayed(recording, env), env, say)
             seats = recording.players or ()
             if output is not None:
-                report = write_film(
-                    env, moments, Path(output), speed, say, seats, recording.seed
-                )
+                report = write_film(env, moments, Path(output), speed, say, seats, recording.seed)
             else:
                 letters = make_letters(env.game)
                 board = board_of(env.game)

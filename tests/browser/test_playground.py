@@ -118,6 +118,7 @@ def test_a_mistake_is_seen_and_mended(playground: Page) -> None:
 
 def test_a_copy_is_kept_and_can_be_downloaded(playground: Page) -> None:
     open_game(playground, "example:coins.sj")
+    expect(part(playground, "title")).to_have_text("Coins", timeout=LOADED)
     write(playground, "sj 1", "\n# mine")
     part(playground, "save").click()
     playground.locator("dialog").get_by_role("button", name="Save").click()

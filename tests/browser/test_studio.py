@@ -246,7 +246,9 @@ def test_games_are_opened_by_title_and_picture(opened: Page) -> None:
     row = opened.locator('dialog [data-path="tour:berries_1.sj"]')
     expect(row).to_contain_text("Berries")
     row.scroll_into_view_if_needed()
-    opened.wait_for_function("document.querySelector('[data-path^=\"tour:\"] img').naturalWidth > 0")
+    opened.wait_for_function(
+        "document.querySelector('[data-path^=\"tour:\"] img').naturalWidth > 0"
+    )
     own = opened.locator('dialog [data-path="yard.sj"] img')
     assert own.evaluate("image => image.naturalWidth") > 0
 

@@ -66,7 +66,7 @@ class Prose(HTMLParser):
     def __post_init__(self) -> None:
         super().__init__()
 
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+    def handle_starttag(self, tag: str, _attributes: list[tuple[str, str | None]]) -> None:
         self.inside += tag in ("pre", "code", "script", "style")
 
     def handle_endtag(self, tag: str) -> None:

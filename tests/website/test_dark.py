@@ -28,4 +28,6 @@ def test_a_page_has_each_picture_twice() -> None:
     assert 'src="../pictures/coins.dark.png#only-dark"' in twice
     still = '<picture><source srcset="pictures/a.still.png"><img src="pictures/a.gif"></picture>'
     assert 'srcset="pictures/a.still.dark.png"' in both_palettes(still)
+    board = '<picture><source srcset="b/a.png"><img src="b/a.gif"></picture>'
+    assert both_palettes(board) == board
     assert dark_name("pictures/a/b.gif") == "pictures/a/b.dark.gif"

@@ -492,6 +492,7 @@ function showPanel(name) {
     const isShown = tab.dataset.panel === name;
     tab.setAttribute("aria-selected", String(isShown));
     tab.tabIndex = isShown ? 0 : -1;
+    if (isShown) tab.scrollIntoView({ block: "nearest", inline: "center" });
   }
   find("panel").setAttribute("aria-labelledby", `tab-${name}`);
   endProgram();
