@@ -54,4 +54,5 @@ def test_figures_are_found_again() -> None:
 
 def test_code_in_an_authors_text_stays_code_and_other_marks_are_escaped() -> None:
     assert plain("hits within `recovery_time` *steps*") == r"hits within `recovery_time` \*steps\*"
-    assert plain("a ` alone, `a | b`") == r"a \` alone, \`a \| b\`"
+    assert plain("a ` alone") == r"a \` alone"
+    assert plain("`a | b`") == r"\`a \| b\`", "in a table"
