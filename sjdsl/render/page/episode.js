@@ -66,7 +66,10 @@ async function showEpisode(root, data) {
   scrub.addEventListener("input", () => { pause(); show(Number(scrub.value)); });
   speed.addEventListener("change", () => { if (timer !== null) { pause(); start(); } });
   new ResizeObserver(() => show(number)).observe(find("stage"));
-  if (window.parent !== window) new ResizeObserver(tellHeight).observe(root);
+  if (window.parent !== window) {
+    new ResizeObserver(tellHeight).observe(root);
+    window.addEventListener("message", tellHeight); // of a page that began to listen later
+  }
   root.ownerDocument.addEventListener("keydown", (event) => {
     if (event.target.matches("input, select, textarea") || event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.key === " ") play.click();
