@@ -4,7 +4,8 @@
 
 Tables go between the marks of docs/games.md and docs/meltingpot.md. Pictures, and the figures of
 a random policy in docs/games.json, are kept while the rules of their game don't change. To make one
-of them again, delete it. The site's gallery shows the figures.
+of them again, delete it. The site's gallery shows the figures, and the studio's list of games shows
+small pictures of their boards.
 """
 
 import argparse
@@ -20,6 +21,7 @@ from PIL import Image
 
 from sjdsl.bench.markdown import replace_section
 from sjdsl.compiler import Build, build, ir
+from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.compiler.ir.hash import game_hash, picture_hash
 from sjdsl.compiler.ir.queries import counts_of
 from sjdsl.compiler.syntax.read import read_source
@@ -30,8 +32,13 @@ from sjdsl.library.factory import make
 from sjdsl.library.games_folder import find_game, main_games
 from sjdsl.library.substrates import Substrate, written_substrates
 from sjdsl.render import make_painter, save_png
+from sjdsl.render.board import draw_board
+from sjdsl.render.look import make_look
+from sjdsl.studio import tour
+from sjdsl.studio.examples import examples, place_of
 from sjdsl.trainers import evaluate, random_policy, summarise
 from website.boards import played
+from website.gallery import substrate_title
 from website.random_play import Figures, read_figures
 
 DOCS = Path(__file__).parents[1] / "docs"
@@ -42,6 +49,9 @@ SIGNIFICANT_DIGITS = 6
 STEPS_BEFORE_PICTURE = 60
 DIGEST_KEY = "sjdsl:shown"  # in the text of a picture's file
 PICTURE_WIDTH = 110  # pixels, in the table of games
+THUMBNAILS = DOCS.parent / "sjdsl/studio/thumbnails"
+THUMBNAIL_SIZE = (96, 72)  # pixels at most
+THUMBNAIL_COLOURS = 64
 
 
 def main() -> int:
@@ -58,6 +68,7 @@ def main() -> int:
         return check_pages()
     write_games(DOCS / "games.md")
     write_melting_pot(DOCS / "meltingpot.md")
+    draw_thumbnails(THUMBNAILS)
     return 0
 
 
@@ -175,6 +186,27 @@ def draw_pictures(folder: Path, games: Mapping[str, tuple[str, str]]) -> None:
         save_png(picture, path, {DIGEST_KEY: picture_hash(env.game)})
 
 
+def draw_thumbnails(folder: Path) -> None:
+    """Draws the board with which each game in the studio's list begins, unless it is there.
+
+    A base of other games, which has no map to play on, has none.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    for path in (*examples(), *tour.games()):
+        home, name = place_of(path, folder)
+        try:
+            game = build(read_source(home / name)).game
+        except CompileError:
+            continue
+        thumbnail = folder / f"{Path(name).stem}.png"
+        if thumbnail.is_file() and is_picture_of(thumbnail, game):
+            continue
+        start = next(played(game, 0))
+        picture = Image.fromarray(draw_board(make_look(game), start.snapshot))
+        picture.thumbnail(THUMBNAIL_SIZE, Image.Resampling.LANCZOS)
+        save_png(picture.quantize(THUMBNAIL_COLOURS), thumbnail, {DIGEST_KEY: picture_hash(game)})
+
+
 def is_picture_of(path: Path, game: ir.Game) -> bool:
     """Returns whether a picture has been drawn from these rules and looks."""
     with Image.open(path) as image:
@@ -276,10 +308,10 @@ def melting_pot_page(page: str) -> str:
         )
         for substrate in written_substrates()
     ]
-    pictures = [
-        f"### {code(name)}\n\n![{plain(game.title)}](pictures/meltingpot/{name}.png)"
-        for name, game in games.items()
-    ]
+    pictures = []
+    for substrate in written_substrates():
+        title = substrate_title(substrate, plain(games[substrate.name].title))
+        pictures.append(f"### {title}\n\n![{title}](pictures/meltingpot/{substrate.name}.png)")
     sections = {
         "substrates": table(("substrate", "game", "variant", "agents", "map"), rows),
         "pictures": ["\n\n".join(pictures)],

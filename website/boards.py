@@ -12,6 +12,7 @@ from pathlib import Path
 from PIL import Image
 
 from sjdsl.cli.play import play_interpreted
+from sjdsl.cli.policies import SIDE_BY_SIDE, players_of
 from sjdsl.compiler import build, ir
 from sjdsl.compiler.ir.hash import printed_digest
 from sjdsl.compiler.syntax.read import read_source
@@ -34,6 +35,7 @@ WIDTH = 400  # pixels of a moving picture, at most
 # What a picture depends on, beside the rules.
 CODE = (
     "sjdsl/cli/play.py",
+    "sjdsl/cli/policies.py",
     "sjdsl/interpreter",
     "sjdsl/policies",
     "sjdsl/render",
@@ -92,7 +94,8 @@ def write(board: Board, folder: Path) -> None:
     if note.is_file() and note.read_text("utf-8") == digest:
         return
     moments = list(played(game))
-    make_page(game, moments).save(folder / f"{board.name}.html")
+    page = make_page(game, moments, players=players_of(SIDE_BY_SIDE, game), seed=SEED)
+    page.save(folder / f"{board.name}.html")
     frames = list(_frames(game, moments))
     save_gif(frames, folder / f"{board.name}.gif")
     frames[-1].save(folder / f"{board.name}.png")

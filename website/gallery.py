@@ -40,9 +40,25 @@ class Shown:
     def title(self) -> str:
         return plain(self.written.game.title or self.name)
 
+    def title_of(self, board: Board) -> str:
+        """Returns the title of the game in a variant, which is a substrate."""
+        for substrate in written_substrates():
+            if (substrate.game, substrate.variant) == (board.game, board.variant):
+                title = substrate_title(substrate, self.title)
+                return f"{title} in Melting Pot" if title == self.title else title
+        raise LookupError(f"{board.name} is no substrate")
+
     @property
     def summary(self) -> str:
         return plain(dict(self.written.game.about).get("summary", ""))
+
+
+def substrate_title(substrate: Substrate, game_title: str) -> str:
+    """Returns the title of a substrate: its game's, and which form of the game it is."""
+    _, _, form = substrate.name.partition("__")
+    if not form or ":" in game_title:
+        return game_title
+    return f"{game_title}: {form.replace('_', ' ')}"
 
 
 def shown_names() -> tuple[str, ...]:
@@ -85,14 +101,10 @@ def gallery_page() -> str:
         "",
     ]
     for substrate in substrates:
-        name = substrate.name.replace("_", "_<wbr>")  # where a narrow card may break it
-        lines += _card(f"<code>{name}</code>", _board_of(substrate), "")
+        shown = next(shown for shown in shown_games() if shown.name == substrate.game)
+        board = next(board for board in shown.boards if board.variant == substrate.variant)
+        lines += _card(substrate_title(substrate, shown.title), board, "")
     return "\n".join([*lines, "</div>", ""])
-
-
-def _board_of(substrate: Substrate) -> Board:
-    shown = next(shown for shown in shown_games() if shown.name == substrate.game)
-    return next(board for board in shown.boards if board.variant == substrate.variant)
 
 
 def _card(title: str, board: Board, text: str) -> list[str]:
@@ -113,13 +125,10 @@ def picture(board: Board, up: str) -> str:
     return f'<picture>{still}<img src="{place}.gif" alt="{board.game} {board.variant}" loading="lazy" class="moving"></picture>'
 
 
-def frame(board: Board) -> str:
+def frame(board: Board, title: str) -> str:
     """Returns the live board, as HTML: a page of its own, which can run its scripts and reach nothing around it, and says how high it is."""
-    place, title = (
-        f"../{BOARDS}/{board.name}.html",
-        f"An episode of {board.game} {board.variant}".strip(),
-    )
-    return f'<iframe class="board" src="{place}" title="{title}" loading="lazy" sandbox="allow-scripts"></iframe>'
+    place = f"../{BOARDS}/{board.name}.html"
+    return f'<iframe class="board" src="{place}" title="An episode of {title}" loading="lazy" sandbox="allow-scripts"></iframe>'
 
 
 def game_page(shown: Shown, root: Path) -> str:
@@ -127,7 +136,8 @@ def game_page(shown: Shown, root: Path) -> str:
     path = find_game(shown.name)
     text = path.read_text("utf-8")
     first, *others = shown.boards
-    lines = [f"# {shown.title}", "", shown.summary, "", frame(first), "", _below(first), ""]
+    board = frame(first, shown.title)
+    lines = [f"# {shown.title}", "", shown.summary, "", board, "", _below(first), ""]
     lines += _as_substrates(shown.name, first)
     lines += [
         f'??? example "The file `{path.relative_to(root)}`, {len(text.splitlines())} lines"',
@@ -136,12 +146,16 @@ def game_page(shown: Shown, root: Path) -> str:
     ]
     lines += [f"    {line}".rstrip() for line in text.splitlines()]
     lines += ["    ```", ""]
+    variants = dict(shown.written.variants)
     for board in others:
+        title = shown.title_of(board)
         lines += [
-            f"## Variant `{board.variant}` {{ #{anchor(board)} }}",
+            f"## {title} {{ #{anchor(board)} }}",
+            "",
+            f"The variant `{board.variant}`: {variants[board.variant]}.",
             "",
             *_as_substrates(shown.name, board),
-            frame(board),
+            frame(board, title),
             "",
             _below(board),
             "",

@@ -12,7 +12,7 @@ from mkdocs.structure.files import File, Files
 from PIL import Image
 
 import sjdsl
-from website import boards, gallery
+from website import boards, dark, gallery
 from website.chapters import Chapter, slug, split
 from website.links import DOCS, PAGES, SOURCE, Places, plain_fences, source_page
 from website.reference import MODULES, reference_pages
@@ -21,6 +21,7 @@ from website.source_pages import source_text
 ROOT = Path(__file__).resolve().parents[1]
 MANUAL = "docs/language.md"
 CACHE = ROOT / "build" / "site-boards"
+DARK = ROOT / "build" / "site-dark"
 MODULES_FOLDER = (
     ROOT / "build" / "site-modules"
 )  # in which `sjdsl.trainers` is where it is when installed
@@ -131,7 +132,14 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
             )
     for still in _stills(config):
         files.append(still)
+    for picture in _dark_pictures(config):
+        files.append(picture)
     return files
+
+
+def on_page_content(html: str, **_more: Any) -> str:
+    """Shows pictures of games in the colours of the page."""
+    return dark.both_palettes(html)
 
 
 def _pages() -> dict[str, str]:
@@ -195,7 +203,7 @@ def front_page(readme: str) -> str:
     ]
     strip = "\n".join(['<div class="strip">', *cards, "</div>"])
     return (
-        "\n\n".join([WITHOUT_NAVIGATION, title, paragraph, made, films, strip, ""])
+        "\n\n".join([WITHOUT_NAVIGATION, f"{title} {{ .home }}", paragraph, made, films, strip, ""])
         + mark.lstrip("\n")
         + rest
     )
@@ -207,10 +215,21 @@ def _still_if_asked(film: re.Match[str]) -> str:
 
 
 def _stills(config: MkDocsConfig) -> Iterator[File]:
-    """Yields the last picture of each film of docs/pictures, as a file."""
+    """Yields the last picture of each film of docs/pictures, light and dark, as files."""
     for film in sorted((ROOT / DOCS / "pictures").glob("*.gif")):
         with Image.open(film) as frames:
             frames.seek(frames.n_frames - 1)
+            last = frames.convert("RGB")
+        name = f"pictures/{film.stem}.still.png"
+        for place, picture in ((name, last), (dark.dark_name(name), dark.darkened(last))):
             content = BytesIO()
-            frames.convert("RGB").save(content, "png")
-        yield File.generated(config, f"pictures/{film.stem}.still.png", content=content.getvalue())
+            picture.save(content, "png")
+            yield File.generated(config, place, content=content.getvalue())
+
+
+def _dark_pictures(config: MkDocsConfig) -> Iterator[File]:
+    """Yields each film and picture of docs/pictures for dark pages, as a file."""
+    for source in sorted((ROOT / DOCS / "pictures").rglob("*.*")):
+        name = dark.dark_name(source.relative_to(ROOT / DOCS).as_posix())
+        dark.write_dark(source, DARK / name)
+        yield File.generated(config, name, abs_src_path=str(DARK / name))

@@ -88,7 +88,7 @@ def _command(parent: click.Context, name: str) -> Iterator[str]:
         COMMANDS[name],
         "",
         "``` { .text }",
-        command.get_help(context),
+        command.get_help(context).replace("`", ""),  # nothing on the page would take them away
         "```",
         "",
     )

@@ -17,6 +17,7 @@ from sjdsl.experiments.contrasts import Returns
 from sjdsl.experiments.diagram import Diagram
 from sjdsl.experiments.pictures import draw_diagram, picture_bytes
 from sjdsl.library.games_folder import find_game
+from sjdsl.library.titles import title_of
 
 HERE = Path(__file__).parent
 PAGES = {  # each with the way from it to this folder
@@ -97,7 +98,7 @@ def verdicts_table(diagrams: list[dict[str, Any]]) -> str:
         )
         rows.append(
             (
-                diagram["game"]["name"],
+                title(diagram),
                 ", ".join(published[key] for key in ("shape", "type") if key in published),
                 shape,
                 *contrasts,
@@ -112,7 +113,11 @@ def lines_table(folder: str, diagram: dict[str, Any]) -> str:
     rows = [("other cooperators", *map(str, others)), ("---", *("--:" for _ in others))]
     rows += [(line, *(f"{value:.4g}" for value in diagram[line]["mean"])) for line in ("C", "D")]
     rows.append(("preferred", *diagram["D-C"]["preferred"]))
-    return f"![Schelling diagram of {diagram['game']['name']}]({folder}/schelling.svg)\n\n{table(rows)}"
+    return f"![Schelling diagram of {title(diagram)}]({folder}/schelling.svg)\n\n{table(rows)}"
+
+
+def title(diagram: dict[str, Any]) -> str:
+    return title_of(find_game(diagram["game"]["name"]).read_text(encoding="utf-8"))
 
 
 def bounds(figure: dict[str, float]) -> str:

@@ -16,11 +16,16 @@ import zipfile
 from collections.abc import Iterator
 from importlib import import_module
 from importlib.metadata import files, version
-from pathlib import Path
+from pathlib import Path, PurePosixPath
+from tempfile import TemporaryDirectory
+from typing import Any
+from urllib.parse import quote
 
 import jinja2
 
 from sjdsl.editor.highlighting import patterns
+from sjdsl.studio import tour
+from sjdsl.studio.serverless import Serverless
 
 HERE = Path(__file__).parent
 ROOT = HERE.parent.parent
@@ -34,6 +39,7 @@ PYODIDE = (
 CDN = (
     "https://cdn.jsdelivr.net/npm/pyodide@{version}/"  # has the files of npm's package as they are
 )
+SITE = PurePosixPath("/lib/python3.14/site-packages")  # as in worker.js
 PAGE = ("studio.css", "studio.js", "studio.licences.txt")
 PLATFORM = (
     "--platform",
@@ -112,6 +118,7 @@ def main() -> None:
     for name in PAGE:
         shutil.copy(ROOT / "sjdsl/studio/page" / name, out)
     shutil.copy(ROOT / "sjdsl/render/page/board.js", out)
+    shutil.copytree(ROOT / "sjdsl/studio/thumbnails", out / "thumbnails")
     for name in ("transport.js", "worker.js"):
         shutil.copy(HERE / name, out)
     (out / "index.html").write_text(_page(), encoding="utf-8")
@@ -232,18 +239,34 @@ def _licences() -> Iterator[str]:
 
 
 def _page() -> str:
-    """Returns the studio's page with what answers it before its script, and with all addresses beside it."""
+    """Returns the studio's page, open on the tour, with what answers it before its script, and with all addresses beside it."""
     page = (ROOT / "sjdsl/studio/page/studio.html").read_text(encoding="utf-8")
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined, autoescape=True)
     text = environment.from_string(page).render(
-        token="", opened="example:clean_up.sj", patterns=json.dumps(patterns())
+        token="", opened=tour.games()[0], patterns=json.dumps(patterns())
     )
     script = '<script type="module" src="./studio.js">'
     text = text.replace("/assets/", "./").replace(
         "<title>sjdsl studio</title>", "<title>sjdsl playground</title>"
     )
     assert script in text, "the studio's page has changed"
-    return text.replace(script, '<script type="module" src="./transport.js"></script>\n' + script)
+    ahead = json.dumps(_ahead(tour.games()[0])).replace("<", "\\u003c")
+    data = f'<script type="application/json" id="ahead">{ahead}</script>\n'
+    return text.replace(
+        script, data + '<script type="module" src="./transport.js"></script>\n' + script
+    )
+
+
+def _ahead(path: str) -> dict[str, Any]:
+    """Returns what Python will be asked first, with its answers: files, and the board of a game of the tour."""
+    asked = f"/file?path={quote(path, safe='')}"
+    with TemporaryDirectory() as folder:
+        python = Serverless(Path(folder))
+        files = {address: json.loads(python.file("GET", address)) for address in ("/tour", asked)}
+        text = {"do": "text", "version": 0, "path": path, "text": files[asked]["text"]}
+        answer = json.loads(python.bench(json.dumps(text)))
+    files[asked]["uri"] = (SITE / "sjdsl/studio/tour" / path.removeprefix(tour.PREFIX)).as_uri()
+    return {"path": path, "answer": answer, "files": files}
 
 
 if __name__ == "__main__":

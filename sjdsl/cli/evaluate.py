@@ -126,7 +126,9 @@ def command(
         policy = stored_policy(folders[0], env, greedy, which) if film is not None else None
     if film is not None:
         with stages("drawing an episode") as say:
-            summary = save_film(env, policy, Path(film), env.episode_length, seed, say)
+            players = [run] * env.num_agents
+            length = env.episode_length
+            summary = save_film(env, policy, Path(film), length, seed, say, players=players)
         click.echo(summary)
 
 

@@ -1,6 +1,6 @@
 """Writes episodes as GIF, MP4 or HTML files for several commands."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -41,17 +41,19 @@ def save_film(
     seed: int,
     say: Say,
     speed: float = SPEED,
+    players: Sequence[str] = (),
 ) -> str:
     """Plays an episode and writes it as a film or a page; returns a line about the file.
 
     Args:
       say: announces the stages.
       speed: frames a second.
+      players: who plays each agent, for a page.
     """
     from sjdsl.render import play_moments
 
     moments = announced(play_moments(env, policy, steps, seed), env, say)
-    return write_film(env, moments, path, speed, say)
+    return write_film(env, moments, path, speed, say, players, seed)
 
 
 def announced(moments: "Iterable[Moment]", env: "Environment", say: Say) -> "Iterator[Moment]":
@@ -72,16 +74,18 @@ def write_film(
     path: Path,
     speed: float,
     say: Say,
+    players: Sequence[str] = (),
+    seed: int | None = None,
 ) -> str:
     """Writes moments as a film or a page of `speed` frames a second; returns a line about the
-    file.
+    file. A page names the players of the agents and the seed.
     """
     episode = list(moments)
     if path.suffix == PAGE:
         from sjdsl.render import make_page
 
         say(f"writing {path}")
-        make_page(env.game, episode, speed).save(path)
+        make_page(env.game, episode, speed, players, seed).save(path)
         contents = f"{len(episode)} moments to look at in a browser"
     else:
         from sjdsl.render import draw_film, save_gif, save_mp4

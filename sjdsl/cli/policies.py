@@ -87,6 +87,14 @@ def read_seats(slots: str, game: "ir.Game") -> tuple[list[str], int | None]:
     return seats, person
 
 
+def players_of(name: str, game: "ir.Game") -> list[str]:
+    """Returns the name of the policy that each agent follows if `name` is that of --policy."""
+    names = [name]
+    if name == SIDE_BY_SIDE:
+        names = [policy.name for policy in game.policies] or ["random"]
+    return [names[agent % len(names)] for agent in range(game.agents.number)]
+
+
 def choose_policy(name: str, env: "Environment") -> Any:
     """Returns a policy by its name; warnings about it are printed as notes."""
     from sjdsl.runtime.policy import UNTRAINED, mixed_policy

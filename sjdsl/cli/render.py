@@ -9,7 +9,13 @@ from sjdsl.cli.environment_options import EnvironmentOptions, environment_option
 from sjdsl.cli.episode_options import SEED_OF_FIRST, seed_option
 from sjdsl.cli.film import announced, check_film, save_film
 from sjdsl.cli.folders import require_folder_of
-from sjdsl.cli.policies import check_policy, choose_policy, code_option, policy_option
+from sjdsl.cli.policies import (
+    check_policy,
+    choose_policy,
+    code_option,
+    players_of,
+    policy_option,
+)
 from sjdsl.cli.stages import LOADING, stages
 from sjdsl.extras import require
 
@@ -73,5 +79,6 @@ def command(
             save_png(painter.draw(last.snapshot, last.actions, snapshot_before), path)
             summary = f"{path}  step {last.snapshot.step} of {env.title or env.name}"
         else:
-            summary = save_film(env, act, path, steps, seed, say, speed)
+            players = players_of(policy, env.game)
+            summary = save_film(env, act, path, steps, seed, say, speed, players)
     click.echo(summary)

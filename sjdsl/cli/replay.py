@@ -90,12 +90,12 @@ def command(
                 click.echo(report)
                 return
             moments = announced(replayed(recording, env), env, say)
+            seats = recording.players or ()
             if output is not None:
-                report = write_film(env, moments, Path(output), speed, say)
+                report = write_film(env, moments, Path(output), speed, say, seats, recording.seed)
             else:
                 letters = make_letters(env.game)
                 board = board_of(env.game)
-                seats = recording.players or ()
                 boards = [
                     "\n".join(moment_lines(moment, letters, board, seats=seats))
                     for moment in moments

@@ -21,8 +21,10 @@ def code(text: str) -> str:
 
 
 def plain(text: str) -> str:
-    """Returns an author's text with all signs of Markdown escaped."""
-    return re.sub(r"([\\`*_<>\[\]|])", r"\\\1", text)
+    """Returns an author's text with all signs of Markdown escaped but code between backticks."""
+    parts = re.split(r"(`[^`|\\\n]+`)", text)
+    parts[::2] = [re.sub(r"([\\`*_<>\[\]|])", r"\\\1", part) for part in parts[::2]]
+    return "".join(parts)
 
 
 def joined(items: Iterable[str], word: str = "and") -> str:

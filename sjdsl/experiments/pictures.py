@@ -28,8 +28,8 @@ LEGIBLE = 24  # letters of a policy's name
 
 
 def draw_diagram(diagram: Diagram) -> "Figure":
-    """Returns both lines over the number of other cooperators, with 95 % bands, and the mean of all
-    agents over k as a dotted line."""
+    """Returns both lines over the number of other cooperators, with 95 % bands, and, over an axis
+    of its own at the top, the mean of all agents as a dotted line."""
     from matplotlib.figure import Figure  # importing it costs as much as a short test
     from matplotlib.ticker import MaxNLocator
 
@@ -48,6 +48,9 @@ def draw_diagram(diagram: Diagram) -> "Figure":
         _draw_line(axes, diagram.defecting, DEFECT, "s")
         axes.plot(range(len(everybody)), everybody, color=BLACK, linestyle=":", linewidth=1)
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+        top = axes.secondary_xaxis("top")
+        top.xaxis.set_major_locator(MaxNLocator(integer=True))
+        top.set_xlabel("dotted line: number of all agents that cooperate")
         axes.set(xlabel="number of other agents that cooperate", ylabel="return of an agent")
         columns = stack_estimates((*diagram.cooperating, *diagram.defecting))
         begin_at_zero(axes, [*np.concatenate(columns), *everybody])
@@ -58,11 +61,7 @@ def draw_diagram(diagram: Diagram) -> "Figure":
         ]
         name_lines(axes, labels)
         axes.set_title(title)
-        note_below(
-            figure,
-            "Bands: 95 % intervals. "
-            "The dotted line is over the number of all agents that cooperate.",
-        )
+        note_below(figure, "Bands: 95 % intervals.")
     return figure
 
 

@@ -30,7 +30,7 @@ def observe(game: ir.Game, world: World) -> np.ndarray:
         if place is None:
             continue
         instance = Instance(board, world, names={"agent": agent})
-        visible = _visible_cells(window, agent, place, instance)
+        visible = visible_cells(window, agent, place, instance)
         for index, plane in enumerate(board.planes):
             if plane.what in ("everyone", "own", "world"):  # the same in the whole window
                 inner = instance
@@ -43,7 +43,7 @@ def observe(game: ir.Game, world: World) -> np.ndarray:
     return observation
 
 
-def _visible_cells(
+def visible_cells(
     window: ir.Window, agent: int, place: Cell, instance: Instance
 ) -> list[tuple[int, int, Cell]]:
     """Returns row and column in the window of each cell that an observer sees, and the cell."""

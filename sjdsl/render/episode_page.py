@@ -50,18 +50,27 @@ class EpisodePage:
         )
 
 
-def make_page(game: ir.Game, moments: Iterable[Moment], speed: float = SPEED) -> EpisodePage:
+def make_page(
+    game: ir.Game,
+    moments: Iterable[Moment],
+    speed: float = SPEED,
+    players: Sequence[str] = (),
+    seed: int | None = None,
+) -> EpisodePage:
     """Returns the page of an episode, or of several one after the other.
 
     Args:
       game: the rules, `env.game`.
       moments: from `play_moments`, from `sjdsl.replay.replayed`, or built by hand; at least one.
       speed: moments a second, until the viewer chooses another speed.
+      players: who plays each agent, by the names of policies; the page names them, and the seed.
+      seed: of the episode.
 
     Raises:
       ValueError: there is no moment.
     """
-    data = {**episode_data(game, moments), "speed": speed}
+    told = {"speed": speed, "players": list(players), "seed": seed}
+    data = {**episode_data(game, moments), **told}
     # `<` is escaped so that no text of a game ends the script element.
     text = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
     environment = jinja2.Environment(
@@ -138,7 +147,8 @@ class Artist:
           `own`: for each agent, [name, value] of what else it observes of itself;
           `world`: [name, value] of what agents observe of the world;
           `events`: [name, count of each agent or one count];
-          `why`: what each agent gave as its reason, if agents were asked.
+          `why`: what each agent gave as its reason, if agents were asked;
+          `away`: the agents that are not on the map.
         """
         look = self.look
         snapshot = moment.snapshot
@@ -172,6 +182,7 @@ class Artist:
             "world": [[reading.name, reading.text(snapshot)] for reading in look.world],
             "events": [[name, np.asarray(count).tolist()] for name, count in moment.events.items()],
             "why": list(moment.why),
+            "away": np.flatnonzero(snapshot.row < 0).tolist(),
             "done": moment.done,
         }
 

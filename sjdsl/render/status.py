@@ -31,6 +31,7 @@ UNKNOWN_WIDTH = 60  # for a text of the world if no moment is known
 FONT_SIZE = 12.5
 FONT = ImageFont.load_default(FONT_SIZE)
 FAINT = mixed(INK, PAPER, 0.4)  # of labels
+FADED = 0.5  # how much of an agent that is away is paper
 
 
 @dataclass(frozen=True)
@@ -109,7 +110,7 @@ class Status:
         agents_top = LINE * (1 + _count_lines(self.world)) + 4
         for agent, figure in enumerate(draw_figures(self.look, snapshot)["agent"]):
             row, place = divmod(agent, self.per_line)
-            left = MARGIN + place * self.column
+            start = left = MARGIN + place * self.column
             top = agents_top + row * LINE * _count_lines(self.agent)
             body = Image.fromarray(draw_figure(replace(figure, heading=0, badges=()), SWATCH))
             picture.paste(body, (left, top), body)
@@ -117,6 +118,9 @@ class Status:
             for placed in self.agent:
                 text = placed.item.text(snapshot, agent)
                 _draw_item(picture, placed.item, text, left + placed.left, top + LINE * placed.line)
+            if snapshot.row[agent] < 0:
+                bottom = top + LINE * _count_lines(self.agent)
+                _fade(picture, (start, top, start + self.column - GAP, bottom))
         return picture
 
 
@@ -180,6 +184,12 @@ def _write(
     if length > max(1, room):
         font = ImageFont.load_default(max(1.0, FONT_SIZE * room / length))
     pen.text(point, text, INK, font, anchor="lm", stroke_width=0.3 if bold else 0)
+
+
+def _fade(picture: Image.Image, box: tuple[int, int, int, int]) -> None:
+    """Makes a part of a picture grey and pale."""
+    grey = picture.crop(box).convert("L").convert("RGB")
+    picture.paste(Image.blend(grey, Image.new("RGB", grey.size, PAPER), FADED), box)
 
 
 def _draw_item(picture: Image.Image, item: Item, text: str, left: int, top: int) -> None:

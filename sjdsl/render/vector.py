@@ -166,7 +166,7 @@ def number_place(figure: Figure) -> tuple[float, float, float]:
     """
     row, col = DIRECTIONS[figure.heading]
     has_one_digit = figure.number is None or figure.number < 10
-    return 0.5 - 0.15 * col, 0.5 - 0.15 * row, 0.44 if has_one_digit else 0.36
+    return 0.5 - 0.15 * col, 0.5 - 0.15 * row, 0.56 if has_one_digit else 0.4
 
 
 def svg_url(svg: str) -> str:

@@ -367,7 +367,8 @@ class Bench:
         """Returns the episode as an HTML page, and a name for its file."""
         game = self.on_board.game
         moments = [self.episode.drawn(number) for number in range(len(self.episode.moments))]
-        return {"html": make_page(game, moments).text, "name": f"{game.name}.html"}
+        page = make_page(game, moments, players=self._names, seed=self.episode.seed)
+        return {"html": page.text, "name": f"{game.name}.html"}
 
     def _record(self) -> Answer:
         """Returns the episode as a file for `sjdsl replay`, and a name for it."""

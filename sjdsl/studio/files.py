@@ -1,9 +1,11 @@
 """Answers requests about files, for the studio with and without a server."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from itertools import chain
 from typing import Any
 
+from sjdsl.library.titles import title_of
 from sjdsl.studio import tour
 from sjdsl.studio.examples import copy_beside, examples, new_game, place_of
 from sjdsl.studio.folder import Changed, FileRefused, Folder
@@ -42,7 +44,8 @@ def _answer(
     """
     match method, address:
         case "GET", "/games":
-            return {"games": folder.games(), "examples": examples(), "tour": tour.games()}
+            games = {"games": folder.games(), "examples": examples(), "tour": tour.games()}
+            return {**games, "titles": _titles(folder, [*chain(*games.values())])}
         case "GET", "/tour":
             return {"steps": tour.steps()}
         case "GET", "/file":
@@ -67,3 +70,15 @@ def _answer(
             return {"digest": folder.read(path).digest, "copied": written}
         case _:
             raise FileRefused(f"there is no `{address}`")
+
+
+def _titles(folder: Folder, paths: Sequence[str]) -> dict[str, str]:
+    """Returns the title of each game that can be read, "" for one without."""
+    titles = {}
+    for path in paths:
+        home, name = place_of(path, folder.root)
+        try:
+            titles[path] = title_of(Folder(home).read(name).text)
+        except FileRefused:
+            continue
+    return titles

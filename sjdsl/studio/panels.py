@@ -9,7 +9,8 @@ from sjdsl.compiler.lower import token_planes
 from sjdsl.doc import read_written, report, rule_sheet
 from sjdsl.interpreter.board import board_of
 from sjdsl.interpreter.bodies import where_is
-from sjdsl.interpreter.observe import observe
+from sjdsl.interpreter.instance import Instance
+from sjdsl.interpreter.observe import observe, visible_cells
 from sjdsl.interpreter.planes import planes
 from sjdsl.interpreter.state import HEADINGS, Cell, Mover, World
 from sjdsl.interpreter.step import action_mask
@@ -95,7 +96,9 @@ def _place_text(cell: Cell | None) -> str:
 def seen_panel(opened: Opened, world: World, agent: int) -> dict[str, Any]:
     """Returns the observation of one agent by plane, and as the message to a language model.
 
-    A plane has `values`, row by row, and `labels`, the meaning of each number.
+    A plane has `values`, row by row, and `labels`, the meaning of each number. `window` has the row
+    and the column of each cell that the agent sees, by rows with its `heading` up, null for others;
+    it is null for an agent that is away.
     """
     game = opened.game
     observation = observe(game, world)[agent]
@@ -111,7 +114,29 @@ def seen_panel(opened: Opened, world: World, agent: int) -> dict[str, Any]:
         for number, plane in enumerate(planes(game))
     ]
     text = message(Window(game, token_planes(game)), observation, allowed, trial=trial)
-    return {"agent": agent, "planes": described, "message": text}
+    return {
+        "agent": agent,
+        "planes": described,
+        "message": text,
+        "heading": int(world.heading[agent]),
+        "window": _seen_cells(game, world, agent),
+    }
+
+
+def _seen_cells(game: ir.Game, world: World, agent: int) -> list[list[list[int] | None]] | None:
+    """Returns the cells that an agent sees by their places in its window."""
+    position = world.position[agent]
+    if position is None:
+        return None
+    window = game.window
+    cols = window.left + 1 + window.right
+    cells: list[list[list[int] | None]] = [
+        [None] * cols for _ in range(window.ahead + 1 + window.behind)
+    ]
+    instance = Instance(board_of(game), world, names={"agent": agent})
+    for row, col, cell in visible_cells(window, agent, position, instance):
+        cells[row][col] = list(cell)
+    return cells
 
 
 def trace_panel(opened: Opened, moment: Moment) -> dict[str, Any]:

@@ -66,6 +66,7 @@ def make_app(
     routes = [
         Route("/", _make_page_handler(opened)),
         Route("/assets/{name}", _answer_asset),
+        Route("/assets/thumbnails/{name}", _answer_thumbnail),
         Route("/games", answer_files),
         Route("/tour", answer_files),
         Route("/file", answer_files, methods=["GET", "PUT"]),
@@ -125,6 +126,14 @@ def _answer_asset(request: Request) -> Response:
     package, media_type = ASSETS[name]
     text = files(package).joinpath(f"page/{name}").read_text(encoding="utf-8")
     return Response(text, media_type=media_type, headers=HEADERS)
+
+
+def _answer_thumbnail(request: Request) -> Response:
+    """Answers a request for the small picture of a bundled game."""
+    for picture in files("sjdsl.studio").joinpath("thumbnails").iterdir():
+        if picture.name == request.path_params["name"]:
+            return Response(picture.read_bytes(), media_type="image/png", headers=HEADERS)
+    raise HTTPException(404)
 
 
 def _make_file_handler(folder: Folder) -> Handler:

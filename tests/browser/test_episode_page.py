@@ -1,5 +1,6 @@
 """The page of an episode in a browser: it plays, steps, is dragged and is driven by keys, and draws the board that a picture shows."""
 
+from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 
@@ -90,9 +91,9 @@ def test_the_board_fits_a_frame_that_gets_wider(page: Page, file: Path) -> None:
 
 def test_it_plays_to_the_end_and_again(opened: Page) -> None:
     part(opened, "play").click()
-    expect(part(opened, "play")).to_have_text("Pause")
+    expect(part(opened, "play")).to_have_accessible_name("Pause")
     expect(part(opened, "step")).to_have_text(f"step {STEPS}, the episode is over")
-    expect(part(opened, "play")).to_have_text("Play")
+    expect(part(opened, "play")).to_have_accessible_name("Play")
     part(opened, "play").click()
     expect(part(opened, "step")).not_to_have_text(f"step {STEPS}, the episode is over")
 
@@ -119,6 +120,18 @@ def test_each_agent_has_its_action_reward_and_return(
             assert float(cells[3]) == pytest.approx(float(moment.snapshot.returns[agent]))
 
 
+def test_who_plays_who_is_away_and_the_axes_are_named(
+    page: Page, env: sjdsl.Environment, moments: list[Moment], tmp_path: Path
+) -> None:
+    gone = replace(moments[0].snapshot, row=np.array([3, -1]))
+    told = make_page(env.game, [replace(moments[0], snapshot=gone)], players=["a", "a"], seed=7)
+    told.save(tmp_path / "told.html")
+    page.goto((tmp_path / "told.html").as_uri())
+    expect(part(page, "played")).to_have_text("Agents 0, 1: a · seed 7")
+    expect(part(page, "agents").locator("tbody td:first-child")).to_have_text(["0", "1, away"])
+    expect(part(page, "plot")).to_contain_text("step")
+
+
 def test_the_board_is_the_picture(
     opened: Page, env: sjdsl.Environment, moments: list[Moment]
 ) -> None:
@@ -137,6 +150,6 @@ def test_a_click_on_the_plot_leads_there(opened: Page) -> None:
     box = part(opened, "plot").bounding_box()
     assert box is not None
     opened.mouse.click(
-        box["x"] + box["width"] - 9 * box["width"] / 420, box["y"] + box["height"] / 2
+        box["x"] + box["width"] - 21 * box["width"] / 420, box["y"] + box["height"] / 2
     )
     expect(part(opened, "step")).to_contain_text(f"step {STEPS}")

@@ -77,8 +77,7 @@ def playground(browser: Browser, address: str) -> Iterator[Page]:
         ),
     )
     page.goto(address)
-    expect(part(page, "title")).to_have_text("Clean Up", timeout=LOADED)
-    expect(part(page, "panel")).to_contain_text("Clean Up", timeout=LOADED)
+    page.locator("body[data-compiles=true]").wait_for(timeout=LOADED)
     yield page
     context.close()
     assert wrong == []
@@ -89,6 +88,21 @@ def write(page: Page, at: str, text: str) -> None:
     page.locator(".cm-line", has_text=at).first.click()
     page.keyboard.press("End")
     page.keyboard.insert_text(text)
+
+
+def test_the_tour_its_game_and_a_board_are_there_before_python(
+    browser: Browser, address: str
+) -> None:
+    page = browser.new_page()
+    page.route("**/worker.js", lambda _route: None)  # it never comes
+    page.goto(address)
+    expect(part(page, "title")).to_have_text("Berries")
+    expect(part(page, "panel")).to_contain_text("A tour")
+    expect(page.locator(".text .cm-content")).to_contain_text("kind bush")
+    expect(part(page, "agents").locator("tr")).to_have_count(2)
+    part(page, "forward").click()
+    expect(part(page, "message")).to_have_text("Loading…")
+    page.close()
 
 
 def test_a_mistake_is_seen_and_mended(playground: Page) -> None:
@@ -104,6 +118,7 @@ def test_a_mistake_is_seen_and_mended(playground: Page) -> None:
 
 def test_a_copy_is_kept_and_can_be_downloaded(playground: Page) -> None:
     open_game(playground, "example:coins.sj")
+    expect(part(playground, "title")).to_have_text("Coins", timeout=LOADED)
     write(playground, "sj 1", "\n# mine")
     part(playground, "save").click()
     playground.locator("dialog").get_by_role("button", name="Save").click()
@@ -113,8 +128,7 @@ def test_a_copy_is_kept_and_can_be_downloaded(playground: Page) -> None:
         playground.locator("#download").click()
     assert "# mine" in download.value.path().read_text(encoding="utf-8")
     playground.reload()
-    expect(part(playground, "title")).to_have_text("Clean Up", timeout=LOADED)
-    open_game(playground, "coins.sj")
+    expect(part(playground, "title")).to_have_text("Coins", timeout=LOADED)
     expect(playground.locator(".cm-line", has_text="# mine")).to_be_visible(timeout=30_000)
 
 
@@ -168,7 +182,7 @@ def test_pyodide_comes_from_another_server_and_is_checked(
             refused = f"Python could not be started: {place}/{damaged} cannot be loaded, or is not the file"
             expect(part(page, "message")).to_contain_text(refused, timeout=LOADED)
         else:
-            expect(part(page, "title")).to_have_text("Clean Up", timeout=LOADED)
+            page.locator("body[data-compiles=true]").wait_for(timeout=LOADED)
             names = {name for name in asked if name.startswith(place)}
             assert names == {f"{place}/{path.name}" for path in elsewhere.iterdir()}
         page.close()

@@ -4,9 +4,17 @@ import json
 import re
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, WebSocketRoute, expect
 
-from tests.browser.studio_page import GAME, Studio, opened, part, studio, type_over
+from tests.browser.studio_page import (
+    GAME,
+    Studio,
+    open_game,
+    opened,
+    part,
+    studio,
+    type_over,
+)
 
 __all__ = ["opened", "studio"]  # fixtures
 
@@ -183,3 +191,84 @@ def test_a_trained_agent_is_not_offered_without_a_seat(opened: Page) -> None:
     part(opened, "others").select_option("RUN@best")
     expect(part(opened, "message")).to_contain_text("sjdsl studio GAME --slots you,RUN@best")
     expect(part(opened, "others")).to_have_value("random")
+
+
+def test_a_draft_survives_a_reload_and_another_game(opened: Page) -> None:
+    """The address names the game that is open; what is not saved of it is there again, until it is discarded."""
+    type_over(opened, GAME.replace("Yard", "Draft"))
+    expect(part(opened, "title")).to_have_text("Draft")
+    opened.reload()
+    expect(part(opened, "title")).to_have_text("Draft")
+    expect(part(opened, "save")).to_be_enabled()
+    open_game(opened, "tour:berries_1.sj")
+    expect(part(opened, "title")).to_have_text("Berries")
+    assert opened.url.endswith("#tour:berries_1.sj")
+    opened.reload()
+    expect(part(opened, "title")).to_have_text("Berries")
+    open_game(opened, "yard.sj")
+    expect(part(opened, "title")).to_have_text("Draft")
+    opened.get_by_role("button", name="Discard them").click()
+    expect(part(opened, "title")).to_have_text("Yard")
+    opened.reload()
+    expect(part(opened, "title")).to_have_text("Yard")
+    expect(part(opened, "save")).to_be_disabled()
+
+
+def test_a_draft_of_a_file_that_has_changed_asks(opened: Page, studio: Studio) -> None:
+    type_over(opened, GAME.replace("Yard", "Mine"))
+    expect(part(opened, "title")).to_have_text("Mine")
+    opened.goto("about:blank")
+    (studio.folder / "yard.sj").write_text(GAME.replace("Yard", "Theirs"), encoding="utf-8")
+    opened.goto(studio.address)
+    expect(part(opened, "title")).to_have_text("Mine")
+    expect(part(opened, "message")).to_contain_text("changed by somebody else")
+    opened.get_by_role("button", name="Open theirs, and lose mine").click()
+    expect(part(opened, "title")).to_have_text("Theirs")
+
+
+def test_what_an_agent_sees_is_drawn_and_keys_are_keycaps(opened: Page) -> None:
+    part(opened, "driven").select_option("1")
+    expect(part(opened, "keys").locator("kbd").first).to_be_visible()
+    opened.locator('[data-panel="seen"]').click()
+    window = opened.locator("canvas.window")
+    expect(window).to_be_visible()
+    filled = """canvas => [0, 1, 2].map((row) => [0, 1, 2].map((col) => canvas.getContext("2d").getImageData(
+        (col + 0.5) * canvas.width / 3, (row + 0.1) * canvas.height / 3, 1, 1).data[3] > 0))"""
+    expect(part(opened, "panel")).to_contain_text("plane by plane")
+    opened.wait_for_timeout(500)
+    drawn = window.evaluate(filled)
+    assert drawn[1][1]
+    assert sum(map(sum, drawn)) in (4, 6), "two rows of the map, in a corner or in the middle"
+
+
+def test_games_are_opened_by_title_and_picture(opened: Page) -> None:
+    part(opened, "files").click()
+    row = opened.locator('dialog [data-path="tour:berries_1.sj"]')
+    expect(row).to_contain_text("Berries")
+    row.scroll_into_view_if_needed()
+    opened.wait_for_function(
+        "document.querySelector('[data-path^=\"tour:\"] img').naturalWidth > 0"
+    )
+    own = opened.locator('dialog [data-path="yard.sj"] img')
+    assert own.evaluate("image => image.naturalWidth") > 0
+
+
+def test_a_panel_that_takes_long_shows_that_it_is_worked_on(opened: Page) -> None:
+    expect(part(opened, "panel")).to_contain_text("The rules of the game yard")
+    opened.route_web_socket("**/bench*", hold_panels)
+    opened.reload()
+    opened.locator("body[data-compiles=true]").wait_for()
+    expect(opened.locator(".working")).to_be_visible()
+
+
+def hold_panels(socket: WebSocketRoute) -> None:
+    """Passes on all requests but those for panels."""
+    server = socket.connect_to_server()
+    socket.on_message(lambda text: None if '"panel"' in str(text) else server.send(text))
+
+
+def test_words_between_backticks_are_code(opened: Page) -> None:
+    type_over(opened, GAME.replace("kind floor", "kind flor"))
+    row = part(opened, "problems").locator("li").first
+    expect(row.locator("code").first).to_be_visible()
+    expect(row).not_to_contain_text("`")

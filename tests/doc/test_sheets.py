@@ -7,6 +7,7 @@ import pytest
 
 from bench.game_pages import SEED, measure, page_problems, read_figures
 from sjdsl.doc import rule_sheet
+from sjdsl.doc.wording import plain
 
 from .corpus import TESTS, small
 
@@ -49,3 +50,9 @@ def test_figures_are_found_again() -> None:
             {end: value or 0.0 for end, value in figure.items()}, rel=1e-4
         )
     assert stored["seed"] == SEED
+
+
+def test_code_in_an_authors_text_stays_code_and_other_marks_are_escaped() -> None:
+    assert plain("hits within `recovery_time` *steps*") == r"hits within `recovery_time` \*steps\*"
+    assert plain("a ` alone") == r"a \` alone"
+    assert plain("`a | b`") == r"\`a \| b\`", "in a table"

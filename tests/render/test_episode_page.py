@@ -88,6 +88,13 @@ def test_a_page_tells_what_every_step_did_and_paid(env: Environment, moments: li
     assert [told["done"] for told in data["moments"]].index(True) == 8
 
 
+def test_a_page_tells_who_plays_who_is_away_and_the_seed(env: Environment, moments: list) -> None:
+    gone = replace(moments[0].snapshot, row=np.array([3, -1]))
+    page = make_page(env.game, [replace(moments[0], snapshot=gone)], players=["a", "b"], seed=7)
+    data = read_data(page.text)
+    assert (data["players"], data["seed"], data["moments"][0]["away"]) == (["a", "b"], 7, [1])
+
+
 def test_texts_of_a_game_stay_texts(env: Environment, moments: list) -> None:
     sly = env.game.model_copy(update={"title": "</script><script>alert(1)</script>"})
     page = make_page(sly, moments).text
@@ -116,3 +123,4 @@ def test_the_command_writes_a_page(tmp_path: Path, capsys: pytest.CaptureFixture
     data = read_data(path.read_text(encoding="utf-8"))
     assert len(data["moments"]) == 4
     assert data["speed"] == 5
+    assert (data["players"], data["seed"]) == (["cooperator", "defector"], 0)

@@ -195,6 +195,16 @@ def test_all_frames_have_one_size_and_a_legend(env: Environment, painter: Painte
     )
 
 
+def test_an_agent_that_is_away_is_grey_below_the_board(painter: Painter, after: Play) -> None:
+    def colours(row: int) -> np.ndarray:
+        snapshot = replace(after(STAY, 1), row=np.array([row]))
+        below = np.asarray(painter.status.draw(snapshot)).astype(int)
+        return below.max(axis=2) - below.min(axis=2)
+
+    assert colours(row=2).max() > 100
+    assert colours(row=-1).max() < 20
+
+
 def test_a_policy_with_memory_starts_each_episode_afresh(env: Environment) -> None:
     """One that zaps in the second step of what it remembers: so it does in both episodes."""
 

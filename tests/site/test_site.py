@@ -56,6 +56,27 @@ def seen(page: Path) -> Seen:
     return parser
 
 
+@dataclass
+class Prose(HTMLParser):
+    """What a page says outside of code. inside: how many elements of code are open."""
+
+    text: list[str] = field(default_factory=list)
+    inside: int = 0
+
+    def __post_init__(self) -> None:
+        super().__init__()
+
+    def handle_starttag(self, tag: str, _attributes: list[tuple[str, str | None]]) -> None:
+        self.inside += tag in ("pre", "code", "script", "style")
+
+    def handle_endtag(self, tag: str) -> None:
+        self.inside -= tag in ("pre", "code", "script", "style")
+
+    def handle_data(self, data: str) -> None:
+        if not self.inside:
+            self.text.append(data)
+
+
 def elsewhere(url: str) -> bool:
     return bool(urlsplit(url).scheme or urlsplit(url).netloc)
 
@@ -129,6 +150,27 @@ def test_every_game_and_substrate_has_a_picture_and_a_board() -> None:
         for s in written_substrates()
     }
     assert gallery == substrates | {f"../boards/{name}.gif" for name in main_games()}
+
+
+def test_no_mark_of_code_is_left_as_it_was_written() -> None:
+    left = {}
+    for page in PAGES:
+        prose = Prose()
+        prose.feed(page.read_text("utf-8"))
+        lines = [line.strip() for line in prose.text if "`" in line]
+        if lines:
+            left[str(page.relative_to(SITE))] = lines[:3]
+    assert left == {}
+    assert "`" not in "".join(seen(SITE / "reference" / "commands.html").text)
+
+
+def test_games_have_one_tab_and_pictures_are_there_for_dark_pages() -> None:
+    home = (SITE / "index.html").read_text("utf-8")
+    tabs = home[home.index('<nav class="md-tabs"') : home.index("</nav>", home.index("md-tabs"))]
+    assert tabs.count("gallery/") == 1
+    assert "games.html" not in tabs
+    links = {url for tag, url in seen(SITE / "index.html").links if tag == "img"}
+    assert {"pictures/orchard.gif#only-light", "pictures/orchard.dark.gif#only-dark"} <= links
 
 
 def test_the_manual_is_in_pages_and_says_everything() -> None:

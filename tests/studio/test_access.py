@@ -13,6 +13,8 @@ from starlette.websockets import WebSocketDisconnect
 
 from sjdsl.cli.studio import _path_in_page
 from sjdsl.compiler import check
+from sjdsl.compiler.diagnostics.source import Source
+from sjdsl.compiler.syntax.parse import parse
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.files import write_whole
 from sjdsl.library.games_folder import games_folder
@@ -68,6 +70,20 @@ def test_other_hosts_and_origins_are_refused_whatever_they_know(
     token = ("&" if "?" in path else "?") + "token=secret"
     assert client.get(path + token, headers=headers).status_code == 403
     assert client.get(path + token, headers={"origin": "http://127.0.0.1:8123"}).status_code == 200
+
+
+def test_every_game_that_can_be_opened_has_its_title_and_a_picture(client: TestClient) -> None:
+    listed = client.get("/games" + TOKEN).json()
+    bases = ("edges", "endings")  # of other games, without a map
+    for path in (*listed["examples"], *listed["tour"]):
+        text = client.get("/file", params={"path": path, "token": "secret"}).json()["text"]
+        title = parse(Source(path, text)).game.title
+        assert title is not None
+        assert listed["titles"][path] == title.text
+        stem = path.removeprefix("tour:").removesuffix(".sj").split("/")[-1].split(":")[-1]
+        wanted = 404 if stem in bases else 200
+        assert client.get(f"/assets/thumbnails/{stem}.png").status_code == wanted
+    assert client.get("/assets/thumbnails/..%2Fpage%2Fstudio.css").status_code == 404
 
 
 @pytest.mark.parametrize("path", ["/bench", "/language"])

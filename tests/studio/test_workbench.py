@@ -336,6 +336,25 @@ def test_an_agent_is_seen_as_a_model_sees_it(bench: Bench) -> None:
     assert first["message"] != second["message"]
 
 
+def test_the_cells_that_an_agent_sees_are_told_as_they_lie_in_its_window(bench: Bench) -> None:
+    """Both face north in two rows: one row ahead and one behind, a column to either side."""
+    scene = opened(bench)["scene"]
+    for agent, (row, col) in enumerate(scene["places"]):
+        panel = ask(bench, do="panel", panel="seen", agent=agent)
+        around = [[[row + down, col + right] for right in (-1, 0, 1)] for down in (-1, 0, 1)]
+        on_map = [
+            [cell if cell[0] in range(2) and cell[1] in range(3) else None for cell in cells]
+            for cells in around
+        ]
+        assert (panel["heading"], panel["window"]) == (0, on_map)
+    ask(bench, do="step", actions={0: 0, 1: 1})  # agent 0 turns to the left: west is up
+    panel = ask(bench, do="panel", panel="seen", agent=0)
+    assert panel["heading"] == 3
+    row, col = scene["places"][0]
+    assert panel["window"][1][1] == [row, col]
+    assert panel["window"][0][1] == ([row, col - 1] if col else None)
+
+
 def test_a_cell_is_painted_in_the_text(bench: Bench) -> None:
     answer = opened(bench, GAME.replace("sj 1", "sj 1  # 🍎"))
     assert answer["game"]["glyphs"] == [[".", "floor"], ["A", "soil"]]

@@ -34,3 +34,12 @@ def test_a_game_of_melting_pot_has_no_figures_of_random_play() -> None:
     stored = json.loads((ROOT / "docs/games.json").read_text("utf-8"))
     assert "daycare" not in stored
     assert "## Random play" not in page_of("daycare")
+
+
+def test_a_substrate_has_a_title() -> None:
+    """The game's, and which form of the game it is, unless that title says so."""
+    page = gallery.gallery_page()
+    assert "**[Boat Race: Eight Races](boat_race.md)**" in page
+    assert "**[Chemistry: two metabolic cycles](chemistry.md#variant-two)**" in page
+    assert "`" not in page
+    assert "<code>" not in page

@@ -10,12 +10,13 @@ export class Bench {
     this.waiting = new Map();
     this.next = new Map(); // by sort of request: the newest that has not been sent, while one is on its way
     this.number = 0;
+    this.wasOpen = false;
     this.connect();
   }
 
   connect() {
     this.socket = openSocket(this.path);
-    this.socket.addEventListener("open", () => { this.onLost(false); this.onOpen(); });
+    this.socket.addEventListener("open", () => { this.wasOpen = true; this.onLost(false); this.onOpen(); });
     this.socket.addEventListener("message", (event) => this.receive(JSON.parse(event.data)));
     this.socket.addEventListener("close", () => {
       for (const resolve of this.waiting.values()) resolve({ refused: "the connection to the studio was lost", lost: true });
@@ -32,7 +33,7 @@ export class Bench {
 
   // Resolves to the answer; one that is refused has `refused`, the reason.
   ask(request) {
-    if (!this.isOpen) return Promise.resolve({ refused: "there is no connection to the studio", lost: true });
+    if (!this.isOpen) return Promise.resolve({ refused: this.wasOpen ? "there is no connection to the studio" : "Loading…", lost: true });
     const id = ++this.number;
     return new Promise((resolve) => {
       this.waiting.set(id, resolve);

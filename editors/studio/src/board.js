@@ -98,6 +98,28 @@ export class Board {
     pen.strokeRect(col * cell, row * cell, cell, cell);
   }
 
+  // Draws what an agent sees once the moment is drawn. window: row and column of each cell, by rows, null for what it does not see;
+  // heading: of the agent, in quarter turns; it points up.
+  async paintWindow(canvas, window, heading) {
+    await this.drawn;
+    if (!this.map) return;
+    const side = this.map.size, pen = canvas.getContext("2d");
+    canvas.width = side * window[0].length;
+    canvas.height = side * window.length;
+    const put = (picture, row, col) => {
+      pen.save();
+      pen.translate((col + 0.5) * side, (row + 0.5) * side);
+      pen.rotate((-heading * Math.PI) / 2);
+      pen.drawImage(this.images[picture], -side / 2, -side / 2, side, side);
+      pen.restore();
+    };
+    const places = window.flatMap((cells, row) => cells.flatMap((cell, col) => (cell ? [[cell, row, col]] : [])));
+    for (const [[row, col], down, right] of places) put(this.cells[row * this.map.width + col], down, right);
+    for (const [picture, row, col] of this.scene.figures) {
+      for (const [cell, down, right] of places) if (cell[0] === row && cell[1] === col) put(picture, down, right);
+    }
+  }
+
   cellAt(event) {
     if (!this.map) return null;
     const box = this.canvas.getBoundingClientRect();

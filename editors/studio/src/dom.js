@@ -11,6 +11,12 @@ export function element(name, attributes = {}, ...children) {
   return made;
 }
 
+// Returns the parts of a text; words between backticks are code.
+export function coded(text) {
+  const parts = text.split(/`([^`\n]+)`/);
+  return parts.map((part, number) => (number % 2 ? element("code", {}, part) : part)).filter((part) => part !== "");
+}
+
 export const find = (name) => document.querySelector(`[data-part="${name}"]`);
 
 export function table(rows, header) {

@@ -1,6 +1,7 @@
 // Which games there are, and the windows in which one is opened, made anew, or saved under another name.
 
-import { element, find } from "./dom.js";
+import { coded, element, find } from "./dom.js";
+import { thumbnailOf } from "./thumbnails.js";
 
 // What stands before the path of a game that is only read: bundled, or of the tour.
 export const prefixOf = (path) => path.match(/^(example:|tour:)/)?.[0] ?? "";
@@ -11,13 +12,15 @@ export class Games {
   constructor({ files, current, open }) {
     Object.assign(this, { files, current, open });
     this.groups = []; // each [label, paths]
+    this.titles = {}; // by path
     find("files").addEventListener("click", () => this.choose());
     find("new").addEventListener("click", () => this.make());
   }
 
   // Asks which games there are; resolves to the path of the one to begin with.
   async list() {
-    const { games, examples, tour } = await this.files.games();
+    const { games, examples, tour, titles } = await this.files.games();
+    this.titles = titles;
     this.groups = [["In this folder", games], ["Tour", tour], ["Bundled games", examples]].filter(([, paths]) => paths.length);
     return games[0] || tour[0];
   }
@@ -28,10 +31,10 @@ export class Games {
     const games = element("div", { class: "games", tabindex: "-1" }, ...this.groups.map(([label, paths]) => element("section", {}, element("h3", {}, label),
       element("ul", {}, ...paths.map((path) => element("li", {}, element("button", {
         "data-path": path, "aria-current": path === this.current() ? "true" : null, onclick: () => { window.close(); this.open(path, false); },
-      }, nameOf(path))))))));
+      }, picture(path), element("span", {}, element("span", { class: "of" }, this.titles[path] || nameOf(path)), element("span", { class: "path" }, nameOf(path))))))))));
     search.addEventListener("input", () => {
-      const wanted = search.value.toLowerCase().replaceAll(" ", "_");
-      for (const item of games.querySelectorAll("li")) item.hidden = !item.textContent.toLowerCase().includes(wanted);
+      const wanted = search.value.toLowerCase();
+      for (const item of games.querySelectorAll("li")) item.hidden = ![wanted, wanted.replaceAll(" ", "_")].some((text) => item.textContent.toLowerCase().includes(text));
       for (const group of games.children) group.hidden = !group.querySelector("li:not([hidden])");
     });
     search.addEventListener("keydown", (event) => { if (event.key === "Enter") games.querySelector("section:not([hidden]) li:not([hidden]) button")?.click(); });
@@ -58,7 +61,7 @@ export class Games {
     const name = element("input", { value: suggested, "aria-label": "Name", autofocus: true, spellcheck: "false" }), wrong = element("p", { class: "refused", role: "alert" });
     const done = async () => {
       const path = name.value.endsWith(".sj") ? name.value : `${name.value}.sj`, answer = await write(path);
-      if (answer.refused) { wrong.textContent = answer.refused; return name.focus(); }
+      if (answer.refused) { wrong.replaceChildren(...coded(answer.refused)); return name.focus(); }
       window.close();
       this.open(path, isSaved);
     };
@@ -66,6 +69,11 @@ export class Games {
     const window = show(title, [element("label", {}, element("span", {}, "Name"), name), ...fields, wrong], [element("button", { class: "main", onclick: done }, verb)]);
     name.setSelectionRange(0, suggested.replace(/\.sj$/, "").length);
   }
+}
+
+function picture(path) {
+  const address = thumbnailOf(path);
+  return address ? element("img", { src: address, alt: "", loading: "lazy" }) : element("span", { class: "none" });
 }
 
 function show(title, parts, buttons) {

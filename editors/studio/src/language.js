@@ -7,6 +7,7 @@ import {
 } from "@codemirror/lsp-client";
 import { keymap } from "@codemirror/view";
 import DOMPurify from "dompurify";
+import { coded, element } from "./dom.js";
 import { openSocket } from "./transport.js";
 
 // Resolves to a client that is connected. lost: called when the connection ends.
@@ -43,7 +44,11 @@ export function languageOf(client, uri) {
 
 // ---- mistakes: lines under the words, marks in the gutter, and what stands first where the pointer rests
 
-export const lint = [linter(null), lintGutter()];
+const tooltipFilter = (diagnostics) => {
+  for (const diagnostic of diagnostics) diagnostic.renderMessage ??= () => element("span", {}, ...coded(diagnostic.message));
+  return diagnostics;
+};
+export const lint = [linter(null, { tooltipFilter }), lintGutter({ tooltipFilter })];
 
 const QUIET = 400; // milliseconds without a change until repairs are asked for, which costs more than messages
 const MOST_REPAIRED = 10; // messages for which repairs are asked

@@ -7,7 +7,8 @@ import { basicSetup } from "codemirror";
 import { Bench } from "./bench.js";
 import { Board } from "./board.js";
 import { Curves } from "./curves.js";
-import { element, find } from "./dom.js";
+import { coded, element, find } from "./dom.js";
+import { draftOf, dropDraft, keepDraft } from "./drafts.js";
 import { foldLongComments, followShade, language as texts } from "./editor.js";
 import { Files } from "./files.js";
 import { Games, nameOf, prefixOf } from "./games.js";
@@ -15,17 +16,21 @@ import { connectLanguage, languageOf, lint } from "./language.js";
 import { entryOf, showNumbers, withNumber, withoutNumber } from "./numbers.js";
 import { painter } from "./painting.js";
 import { makePanes, showPane } from "./panes.js";
-import { ASKED, LASTING, PANELS, fill } from "./panels.js";
+import { ASKED, LASTING, PANELS, fill, working } from "./panels.js";
 import { Problems } from "./problems.js";
+import { keepThumbnail } from "./thumbnails.js";
 import { showTour } from "./tour.js";
+import { ahead } from "./transport.js";
 
 const meta = (name) => document.querySelector(`meta[name="${name}"]`).content;
 const files = new Files();
+const CAPS = { up: "↑", down: "↓", left: "←", right: "→", comma: ",", full_stop: ".", space: "Space", enter: "Enter" };
 const KEYS = { ArrowUp: "up", ArrowDown: "down", ArrowLeft: "left", ArrowRight: "right", ",": "comma", ".": "full_stop", " ": "space", Enter: "enter" };
 
-const open = { path: "", uri: "", digest: null, saved: "", version: 0, variants: [], agents: null, params: {}, game: null, map: null };
+const open = { path: "", uri: "", digest: null, saved: "", version: 0, variants: [], agents: null, params: {}, game: null, map: null, isKept: true };
 const shown = { panel: "rules", cell: null, agent: 0, driven: null, at: 0, moments: 1, running: false };
 const SLOW = 1000; // milliseconds after which something that is waited for is said to be under way
+const SOON = 150; // and after which a panel shows that it is worked on
 let view = null, language = null, unfollow = null, program = null;
 
 const bench = new Bench("/bench", { onLost: lost, onOpen: () => sendText(false), onBusy: (busy) => markBusy("bench", busy) });
@@ -45,20 +50,46 @@ const games = new Games({ files, current: () => open.path, open: (path, isSaved)
 
 // ---- the text
 
+// Resolves to whether there is such a file. What somebody has not saved of it is there again.
 async function openFile(path) {
   const file = await files.read(path);
-  if (file.refused) return say(file.refused);
-  say("");
-  Object.assign(open, { path, uri: file.uri, digest: file.digest, saved: file.text, variants: [], agents: null, params: {}, map: null });
+  if (file.refused) { say(file.refused); return false; }
+  const draft = draftOf(path);
+  Object.assign(open, { path, uri: file.uri, digest: draft?.digest ?? file.digest, saved: file.text, variants: [], agents: null, params: {}, map: draft?.map ?? null });
   find("name").textContent = nameOf(path);
   document.title = `${path} · sjdsl studio`;
-  makeEditor(file.text);
+  history.replaceState(null, "", `#${encodeURI(path)}`);
+  say("");
+  makeEditor(draft?.text ?? file.text);
+  if (draft && draft.digest !== file.digest) askAboutChange(`${path} was changed by somebody else since these changes, which are not saved`, draft.text);
+  else if (draft && isUnsaved()) find("message").replaceChildren("Your changes that are not saved are here again. ", element("button", { onclick: () => openAnew(path) }, "Discard them"));
+  if (!draft && !bench.wasOpen && ahead?.path === path) {
+    showGame(ahead.answer);
+    showScene(ahead.answer);
+    say("Loading Python: the board can be played in a moment.");
+  }
   sendText(true);
+  return true;
 }
 
-// Opens a file, if need be after asking what becomes of a text that is not saved.
+// Opens a file as it is, without what somebody has not saved of it.
+function openAnew(path) {
+  dropDraft(path);
+  return openFile(path);
+}
+
+// The path that the address names, "" without one.
+function addressed() {
+  try {
+    return decodeURIComponent(location.hash.slice(1));
+  } catch {
+    return "";
+  }
+}
+
+// Opens a file; what is not saved of the one before stays in the browser, and if that keeps nothing, somebody is asked what becomes of it.
 function openSafely(path) {
-  if (!view || !isUnsaved()) return openFile(path);
+  if (!view || !isUnsaved() || open.isKept) return openFile(path);
   const lose = element("button", { onclick: () => openFile(path) }, `Open ${path}, and lose them`);
   const stay = element("button", { onclick: () => say("") }, "Stay here");
   find("message").replaceChildren(`${open.path} has changes that are not saved. `, lose, " ", stay);
@@ -110,10 +141,14 @@ function sendText(fresh) {
     problems.answered(answer);
     document.body.dataset.version = version;
     document.body.dataset.compiles = answer.compiles === true;
-    if (answer.refused || !answer.compiles) return;
+    if (answer.refused || !answer.compiles) {
+      if (!open.game && shown.panel !== "tour") find("panel").replaceChildren(element("p", {}, "No rules have compiled yet."));
+      return;
+    }
     if (answer.game.left.length) say(`no longer numbers of this game: ${answer.game.left.join(", ")}`);
     showGame(answer);
     showScene(answer);
+    if (fresh) board.drawn.then(() => keepThumbnail(request.path, find("board")));
     soon();
   });
 }
@@ -153,18 +188,25 @@ async function saveMap() {
 
 // A bundled game stays as it is: what somebody makes of it is a file of their own.
 async function saveAs() {
-  if (await saveMap()) games.saveAs((path) => files.copy(open.path, path, text()));
+  if (!(await saveMap())) return;
+  games.saveAs(async (path) => {
+    const answer = await files.copy(open.path, path, text());
+    if (!answer.refused) dropDraft(open.path);
+    return answer;
+  });
 }
 
 function askAboutChange(reason, sent) {
-  const theirs = element("button", { onclick: () => openFile(open.path) }, "Open theirs, and lose mine");
+  const theirs = element("button", { onclick: () => openAnew(open.path) }, "Open theirs, and lose mine");
   const mine = element("button", { onclick: async () => { open.digest = (await files.read(open.path)).digest ?? null; save(sent); } }, "Write mine over it");
-  find("message").replaceChildren(`${reason}. `, theirs, mine);
+  find("message").replaceChildren(...coded(`${reason}. `), theirs, mine);
 }
 
 function markUnsaved() {
   find("save").disabled = !view || !isUnsaved();
   find("unsaved").hidden = find("save").disabled;
+  if (find("save").disabled) dropDraft(open.path);
+  else open.isKept = keepDraft(open.path, { text: text(), map: open.map, digest: open.digest });
 }
 
 function isUnsaved() {
@@ -260,7 +302,7 @@ async function showIt(verdict) {
   const answer = await ask({ do: "replay", ...verdict.scenario });
   if (answer.refused) return;
   const back = element("button", { onclick: () => begin() }, "Back to the game");
-  find("counterexample").replaceChildren(`The counterexample to `, element("code", {}, verdict.text), `: it ${verdict.reason}. `, back);
+  find("counterexample").replaceChildren(`The counterexample to `, element("code", {}, verdict.text), ...coded(`: it ${verdict.reason}. `), back);
   find("forward").focus();
 }
 
@@ -295,8 +337,9 @@ function showScene(answer) {
     const swatch = element("span", { class: "swatch" });
     swatch.style.background = colour;
     const action = answer.scene.actions.length ? open.game.actions[answer.scene.actions[agent]] : "";
-    const cells = [[swatch, `${agent} ${open.game.seats[agent] ?? ""}`.trim()], [action], [answer.scene.rewards[agent] || ""], [answer.scene.returns[agent]]];
-    return element("tr", { class: agent === shown.driven ? "driven" : "" }, ...cells.map((inner) => element("td", {}, ...inner.map((part) => part instanceof Node ? part : String(part)))));
+    const isAway = answer.scene.places[agent] === null;
+    const cells = [[swatch, `${agent} ${open.game.seats[agent] ?? ""}`.trim() + (isAway ? ", away" : "")], [action], [answer.scene.rewards[agent] || ""], [answer.scene.returns[agent]]];
+    return element("tr", { class: `${agent === shown.driven ? "driven" : ""} ${isAway ? "away" : ""}` }, ...cells.map((inner) => element("td", {}, ...inner.map((part) => part instanceof Node ? part : String(part)))));
   }));
   if (!shown.running) tell(described(answer));
   find("events").textContent = answer.scene.events.map(([name, count]) => `${name} ${Array.isArray(count) ? count.reduce((a, b) => a + b, 0) : count}`).join(" · ");
@@ -386,7 +429,8 @@ window.addEventListener("focus", lookAgain);
 find("save").addEventListener("click", () => save());
 find("share").addEventListener("click", () => download("share", ({ html }) => [html, "text/html"]));
 find("record").addEventListener("click", () => download("record", ({ recording }) => [recording, "application/json"]));
-window.addEventListener("beforeunload", (event) => { if (view && isUnsaved()) event.preventDefault(); });
+window.addEventListener("beforeunload", (event) => { if (view && isUnsaved() && !open.isKept) event.preventDefault(); });
+window.addEventListener("hashchange", () => { if (addressed() && addressed() !== open.path) openSafely(addressed()); });
 
 // Offers what the bench makes of the episode as a file. contentOf: its text and type, of the answer.
 async function download(what, contentOf) {
@@ -399,14 +443,17 @@ async function download(what, contentOf) {
 }
 
 function showKeys() {
-  const names = Object.entries(open.game?.keys ?? {}).map(([key, action]) => `${key.replace("full_stop", ".").replace("comma", ",")} ${open.game.actions[action]}`);
-  find("keys").textContent = shown.driven === null ? "" : `With the board in focus: ${names.join(", ")}`;
+  const keys = shown.driven === null ? [] : Object.entries(open.game?.keys ?? {});
+  const names = keys.map(([key, action]) => element("span", { class: "key" }, element("kbd", {}, CAPS[key] ?? key), ` ${open.game.actions[action]} `));
+  find("keys").replaceChildren(...(names.length ? ["With the board in focus: ", ...names] : []));
 }
 
 // ---- beside the board
 
 async function refreshPanel() {
   const name = shown.panel, lasting = LASTING.has(name);
+  clearTimeout(refreshPanel.timer);
+  refreshPanel.timer = setTimeout(() => { if (!find("panel").childElementCount) find("panel").replaceChildren(working()); }, SOON);
   if (name === "tour") { if (beside.kept !== name) { beside.kept = name; showTour(find("panel"), files, openSafely, () => shown.panel === "tour"); } return; }
   if (!open.game || (lasting && !beside.stale && beside.kept === name)) return;
   const asked = { do: "panel", panel: ASKED[name] ?? name, agent: shown.agent };
@@ -416,17 +463,17 @@ async function refreshPanel() {
   const answer = await (lasting ? beside : bench).ask(asked);
   if (lasting) { beside.busy = false; if (beside.again) { beside.again = false; refreshPanel(); } }
   if (name !== shown.panel) return;
-  if (answer.refused) return find("panel").replaceChildren(element("p", {}, answer.refused));
+  if (answer.refused) return find("panel").replaceChildren(element("p", {}, ...coded(answer.refused)));
   beside.kept = name;
   endProgram();
   const cell = shown.cell, agent = cell ? board.agentAt(cell) : null;
-  fill(find("panel"), name, { answer, cell, agent, toLine, showIt, line: lineHere(), count: open.game.agents, chooseAgent: (chosen) => { shown.agent = chosen; refreshPanel(); }, keep: (made) => { program = made; } });
+  fill(find("panel"), name, { answer, board, cell, agent, toLine, showIt, line: lineHere(), count: open.game.agents, chooseAgent: (chosen) => { shown.agent = chosen; refreshPanel(); }, keep: (made) => { program = made; } });
 }
 
 async function openBeside(name) {
   beside.busy = true;
   beside.stale = false;
-  if (name === "checks") find("panel").replaceChildren(element("p", {}, "Playing the checks…"));
+  if (name === "checks") find("panel").replaceChildren(element("p", {}, "Playing the checks…"), working());
   await beside.ask({ do: "text", version: open.version, ...asItIs() });
 }
 
@@ -445,6 +492,7 @@ function showPanel(name) {
     const isShown = tab.dataset.panel === name;
     tab.setAttribute("aria-selected", String(isShown));
     tab.tabIndex = isShown ? 0 : -1;
+    if (isShown) tab.scrollIntoView({ block: "nearest", inline: "center" });
   }
   find("panel").setAttribute("aria-labelledby", `tab-${name}`);
   endProgram();
@@ -469,7 +517,7 @@ find("tabs").addEventListener("keydown", (event) => {
 // ---- messages, and the beginning
 
 function say(message) {
-  find("message").textContent = message;
+  find("message").replaceChildren(...coded(message));
 }
 
 function lost(gone) {
@@ -498,9 +546,10 @@ async function speak() {
 }
 
 makePanes(() => board.paint());
-const first = meta("opened") || (await games.list());
-const isTour = prefixOf(first) === "tour:"; // for somebody who has no game yet
+const usual = meta("opened") || (await games.list());
+const isTour = prefixOf(addressed() || usual) === "tour:"; // for somebody who has no game yet
 if (isTour) showPane("panels");
 showPanel(isTour ? "tour" : shown.panel);
-openFile(first);
+const isOpened = addressed() !== "" && (await openFile(addressed()));
+if (!isOpened) openFile(usual);
 speak();

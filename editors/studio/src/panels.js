@@ -2,7 +2,7 @@
 
 import DOMPurify from "dompurify";
 import { marked } from "marked";
-import { element, table } from "./dom.js";
+import { coded, element, table } from "./dom.js";
 import { pythonView } from "./editor.js";
 import { why } from "./why.js";
 
@@ -19,7 +19,10 @@ export const PANELS = {
 export const ASKED = { why: "trace" }; // where the request has another name
 export const LASTING = new Set(["rules", "python", "checks", "diff"]); // depend on the text alone
 
-// Fills a panel. about: { answer, agent, cell, toLine, line, chooseAgent, showIt, keep }; keep: called with a view that follows the cursor.
+// What stands in a panel that is still worked on.
+export const working = () => element("div", { class: "working", "aria-hidden": "true" }, ...Array.from({ length: 8 }, () => element("div", {})));
+
+// Fills a panel. about: { answer, agent, board, cell, toLine, line, chooseAgent, showIt, keep }; keep: called with a view that follows the cursor.
 export function fill(place, name, about) {
   const made = { rules, why, state, seen, python, checks, diff }[name](about);
   place.replaceChildren(...(Array.isArray(made) ? made : [made]));
@@ -51,10 +54,15 @@ function state({ answer }) {
   return made;
 }
 
-function seen({ answer, chooseAgent, count }) {
+function seen({ answer, board, chooseAgent, count }) {
   const choice = element("select", { onchange: (event) => chooseAgent(Number(event.target.value)) });
   for (let agent = 0; agent < count; agent++) choice.append(new Option(`agent ${agent}`, agent, false, agent === answer.agent));
-  const made = [element("label", {}, "The observation of ", choice, ", plane by plane. Its heading points up.")];
+  const made = [element("label", {}, "What ", choice, " sees, as a picture and plane by plane. Its heading points up.")];
+  if (answer.window) {
+    const window = element("canvas", { class: "window", role: "img", "aria-label": "The cells that the agent sees" });
+    board.paintWindow(window, answer.window, answer.heading);
+    made.push(window);
+  } else made.push(element("p", {}, "It is away."));
   made.push(element("details", {}, element("summary", {}, "As a language model sees it"), element("pre", {}, answer.message)));
   for (const plane of answer.planes) {
     const rows = plane.values.map((row) => element("tr", {}, ...row.map((value) => element("td", { title: meaning(plane, value), class: value ? "" : "zero" }, String(value)))));
@@ -81,7 +89,7 @@ function checks({ answer, toLine, showIt }) {
   if (!answer.verdicts.length) return element("p", {}, "This game has no checks.");
   return answer.verdicts.map((verdict) => {
     const rule = element("button", { class: "rule", disabled: verdict.line === null, onclick: () => toLine(verdict.line) }, verdict.text);
-    const told = [element("p", {}, element("b", { class: verdict.status.replace(" ", "-") }, verdict.status), `: ${verdict.reason}`)];
+    const told = [element("p", {}, element("b", { class: verdict.status.replace(" ", "-") }, verdict.status), ": ", ...coded(verdict.reason))];
     if (verdict.untested.length) told.push(element("p", {}, `Lines that never ran: ${verdict.untested.join("; ")}`));
     if (verdict.scenario) told.push(element("button", { onclick: () => showIt(verdict) }, "Show it on the board"));
     if (verdict.trace.length) told.push(element("pre", {}, verdict.trace.join("\n")));

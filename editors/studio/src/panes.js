@@ -4,7 +4,7 @@ import { find } from "./dom.js";
 
 const KEPT = "sjdsl-panes"; // in the browser's storage
 const LEAST = 15, MOST = 60, STEP = 2; // percent of the width
-const SIDES = { left: 35, right: 30 }; // percent that the text and the panels have at first
+const SIDES = { left: 27, right: 23 }; // percent that the text and the panels have at first
 
 // moved: called when a pane has another width.
 export function makePanes(moved) {

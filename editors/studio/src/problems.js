@@ -2,7 +2,7 @@
 
 import { EditorView } from "@codemirror/view";
 import { diagnosticsOf } from "./language.js";
-import { element, find } from "./dom.js";
+import { coded, element, find } from "./dom.js";
 
 const PATIENCE = 350; // milliseconds until a new message is listed: most mistakes are words that somebody is just writing
 
@@ -20,7 +20,7 @@ export class Problems {
     this.told = refused ? [[null, refused]] : problems;
     this.errors = refused ? 1 : errors;
     const count = `${this.errors} error${this.errors > 1 ? "s" : ""}`;
-    find("verdict").textContent = refused ?? (this.errors ? `${count}: the board shows the last rules that compiled` : "");
+    find("verdict").replaceChildren(...coded(refused ?? (this.errors ? `${count}: the board shows the last rules that compiled` : "")));
     this.show();
   }
 
@@ -54,8 +54,8 @@ export class Problems {
       const [what, ...help] = row.message.split("\nhelp: ");
       const go = element("button", { class: "go", disabled: row.line === null, onclick: () => this.toLine(row.line, row.from) },
         element("span", { class: `line ${row.severity}` }, row.line === null ? "–" : `line ${row.line}`),
-        element("span", {}, element("span", { class: "what" }, what), ...help.map((text) => element("span", { class: "help" }, text))));
-      const repairs = row.actions.map((action) => element("button", { class: "fix", title: action.name, onclick: () => action.apply(view, row.from, row.from) }, `Fix: ${action.name}`));
+        element("span", {}, element("span", { class: "what" }, ...coded(what)), ...help.map((text) => element("span", { class: "help" }, ...coded(text)))));
+      const repairs = row.actions.map((action) => element("button", { class: "fix", title: action.name, onclick: () => action.apply(view, row.from, row.from) }, element("span", {}, ...coded(`Fix: ${action.name}`))));
       return element("li", {}, go, ...repairs);
     }));
     if (view?.hasFocus) view.dispatch({ effects: EditorView.scrollIntoView(view.state.selection.main.head) }); // the strip may have grown over it

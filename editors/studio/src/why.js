@@ -1,6 +1,6 @@
 // Why something is as it is: what the last step changed on a cell, or everywhere, with the reasons behind each change.
 
-import { element } from "./dom.js";
+import { coded, element } from "./dom.js";
 
 export function why({ answer, cell, toLine }) {
   if (answer.step === null && !answer.turns.length) return element("p", {}, "Nothing has happened yet: take a step.");
@@ -13,7 +13,7 @@ export function why({ answer, cell, toLine }) {
     made.push(element("h3", {}, turn.phase));
     for (const rule of found) {
       made.push(element("button", { class: "rule", disabled: rule.line === null, onclick: () => toLine(rule.line) }, `${rule.place}  ${rule.text}`));
-      made.push(element("ul", {}, ...rule.effects.map((effect) => element("li", {}, effect.said, chain(effect.because, "because ", "and ")))));
+      made.push(element("ul", {}, ...rule.effects.map((effect) => element("li", {}, ...coded(effect.said), chain(effect.because, "because ", "and ")))));
     }
   }
   if (made.length === 1) made.push(element("p", {}, "Nothing changed there."));
@@ -23,7 +23,7 @@ export function why({ answer, cell, toLine }) {
 // Reasons as a list in which each has those behind it as a list; random bits are unfolded by hand.
 function chain(reasons, first = "", others = "") {
   if (!reasons.length) return null;
-  const item = (reason, number) => element("li", {}, (number ? others : first) + reason.text, bits(reason), chain(reason.because));
+  const item = (reason, number) => element("li", {}, ...coded((number ? others : first) + reason.text), bits(reason), chain(reason.because));
   return element("ul", { class: "draw" }, ...reasons.map(item));
 }
 

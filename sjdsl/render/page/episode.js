@@ -12,6 +12,7 @@ async function showEpisode(root, data) {
     return;
   }
   find("title").textContent = data.title;
+  find("played").textContent = playedBy(data);
   const images = await Promise.all(data.pictures.map(loadPicture));
   const cells = allCells(data);
   const last = data.moments.length - 1;
@@ -22,7 +23,7 @@ async function showEpisode(root, data) {
   const scrub = find("scrub"), play = find("play"), speed = find("speed");
   scrub.max = last;
   for (const rate of [...new Set([...SPEEDS, data.speed])].sort((a, b) => a - b)) {
-    speed.append(new Option(`${rate} steps a second`, rate, rate === data.speed, rate === data.speed));
+    speed.append(new Option(`${rate}/s`, rate, rate === data.speed, rate === data.speed));
   }
 
   function show(wanted) {
@@ -38,27 +39,37 @@ async function showEpisode(root, data) {
     moveCursor(number);
   }
 
+  function name(label, icon) {
+    play.title = label;
+    play.setAttribute("aria-label", label);
+    play.querySelector("use").setAttribute("href", icon);
+  }
+
   function pause() {
     clearInterval(timer);
     timer = null;
-    play.textContent = "Play";
+    name("Play", "#icon-play");
     find("step").ariaLive = "polite";
   }
 
   function start() {
     if (number === last) show(0);
-    play.textContent = "Pause";
+    name("Pause", "#icon-pause");
     find("step").ariaLive = "off"; // many steps a second are too many to be read out
     timer = setInterval(() => (number < last ? show(number + 1) : pause()), 1000 / Number(speed.value));
   }
 
   play.addEventListener("click", () => (timer === null ? start() : pause()));
+  find("again").addEventListener("click", () => { pause(); show(0); });
   find("back").addEventListener("click", () => { pause(); show(number - 1); });
   find("forward").addEventListener("click", () => { pause(); show(number + 1); });
   scrub.addEventListener("input", () => { pause(); show(Number(scrub.value)); });
   speed.addEventListener("change", () => { if (timer !== null) { pause(); start(); } });
   new ResizeObserver(() => show(number)).observe(find("stage"));
-  if (window.parent !== window) new ResizeObserver(tellHeight).observe(root);
+  if (window.parent !== window) {
+    new ResizeObserver(tellHeight).observe(root);
+    window.addEventListener("message", tellHeight); // of a page that began to listen later
+  }
   root.ownerDocument.addEventListener("keydown", (event) => {
     if (event.target.matches("input, select, textarea") || event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.key === " ") play.click();
@@ -77,6 +88,15 @@ function tellHeight() {
   window.parent.postMessage({ episodeHeight: document.documentElement.offsetHeight }, "*");
 }
 
+// Says who plays which agents, and the seed.
+function playedBy(data) {
+  const agentsOf = new Map();
+  (data.players ?? []).forEach((player, agent) => agentsOf.set(player, [...(agentsOf.get(player) ?? []), agent]));
+  const parts = [...agentsOf].map(([player, agents]) => `${agents.length > 1 ? "Agents" : "Agent"} ${agents.join(", ")}: ${player}`);
+  if (data.seed !== null && data.seed !== undefined) parts.push(`seed ${data.seed}`);
+  return parts.join(" · ");
+}
+
 // Makes a row for each agent; returns what fills each of them from a moment.
 function agentRows(table, data) {
   if (!data.has) table.querySelector('[data-part="has"]').remove();
@@ -86,8 +106,12 @@ function agentRows(table, data) {
     const swatch = document.createElement("span");
     swatch.className = "swatch";
     swatch.style.background = colour;
-    name.append(swatch, String(agent));
+    const label = document.createTextNode(String(agent));
+    name.append(swatch, label);
     return (moment) => {
+      const isAway = moment.away.includes(agent);
+      row.className = isAway ? "away" : "";
+      label.textContent = isAway ? `${agent}, away` : String(agent);
       action.textContent = moment.actions.length ? data.actions[moment.actions[agent]] : "";
       reward.textContent = moment.rewards[agent] === 0 ? "" : signed(moment.rewards[agent]);
       total.textContent = plain(moment.returns[agent]);

@@ -1,7 +1,8 @@
-// Draws the returns of all agents as lines, with a line at the moment that is shown.
+// Draws the returns of all agents as lines, each with its agent's number, and a line at the moment that is shown.
 "use strict";
 
-const PLOT = { width: 420, height: 150, left: 44, right: 8, top: 10, bottom: 20 };
+const PLOT = { width: 420, height: 150, left: 44, right: 20, top: 24, bottom: 32 };
+const APART = 9; // least distance of two numbers at the ends of lines
 const SVG = "http://www.w3.org/2000/svg";
 
 function svgElement(name, attributes, text) {
@@ -30,7 +31,18 @@ function plotReturns(place, data, shown) {
     const points = returns.map((row, number) => `${x(number).toFixed(1)},${y(row[agent]).toFixed(1)}`).join(" ");
     place.append(svgElement("polyline", { points, stroke: colour, fill: "none", class: "line" }));
   });
-  place.append(svgElement("text", { x: (left + width - right) / 2, y: height - 4, "text-anchor": "middle" }, "returns so far, by step"));
+  const ends = returns.at(-1).map((value, agent) => [y(value), agent]).sort((a, b) => a[0] - b[0]);
+  let above = -Infinity;
+  for (const [end, agent] of ends) {
+    if (end - above < APART) continue;
+    place.append(svgElement("text", { x: width - right + 4, y: end + 3 }, agent));
+    above = end;
+  }
+  place.append(svgElement("text", { x: left, y: 12, class: "title" }, "Return of each agent so far"));
+  for (const number of [0, returns.length - 1]) {
+    place.append(svgElement("text", { x: x(number), y: height - bottom + 13, "text-anchor": "middle" }, data.moments[number].step));
+  }
+  place.append(svgElement("text", { x: (left + width - right) / 2, y: height - 6, "text-anchor": "middle" }, "step"));
   const cursor = svgElement("line", { y1: top, y2: height - bottom, class: "cursor" });
   place.append(cursor);
   place.addEventListener("click", (event) => {

@@ -9,6 +9,8 @@ window.addEventListener("message", (event) => {
   }
 });
 
+for (const frame of document.querySelectorAll("iframe.board")) frame.contentWindow.postMessage("height", "*"); // of those that told it before
+
 function nameParts() {
   document.querySelector(".md-search")?.setAttribute("aria-label", "Search");
   document.querySelectorAll("nav.md-code__nav:not([aria-label])").forEach((nav) => {
