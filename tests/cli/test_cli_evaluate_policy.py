@@ -26,7 +26,8 @@ def file(folder: Path, grove: None, described: dict[str, Any]) -> Path:
     """A policy, stored as that of a run."""
     del grove
     stored = store(folder / "runs/one", make_environment(described), 0)
-    (folder / "runs/one/manifest.json").write_text(json.dumps({"provenance": described}))
+    manifest = {"game": {}, "config": {}, "versions": {}, "provenance": described}
+    (folder / "runs/one/manifest.json").write_text(json.dumps(manifest))
     return stored
 
 
