@@ -33,7 +33,7 @@ GROUPS = {
         "dump": "Show a game after one stage of the compiler.",
     },
     "Look at it": {
-        "list": "List games with their agents, maps, actions and variants.",
+        "list": "List games with their agents, maps, actions, titles and variants.",
         "doc": "Print all the rules of a game on a page.",
         "diff": "Print what differs between two variants or games.",
         "play": "Control an agent of a game in the terminal.",

@@ -29,7 +29,10 @@ def print_diagnostics(
     stream = sys.stderr if err else sys.stdout
     colour = stream.isatty() and not os.environ.get("NO_COLOR")
     texts = {**texts_of(diagnostics), **(sources or {})}
-    click.echo(render(diagnostics, texts, colour), err=err, color=colour)
+    width = None
+    if stream.isatty():
+        width = os.get_terminal_size(stream.fileno()).columns or None  # some terminals say 0
+    click.echo(render(diagnostics, texts, colour, width), err=err, color=colour)
 
 
 def texts_of(diagnostics: Sequence[Diagnostic]) -> dict[str, Source]:

@@ -1,7 +1,8 @@
 """`sjdsl evaluate`: prints what a policy earns beside a random policy in the same episodes, or as
 focal agents among scripted ones."""
 
-import math
+import re
+import shlex
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, replace
 from functools import partial
@@ -21,6 +22,7 @@ from sjdsl.cli.episode_options import episodes_option, seed_option
 from sjdsl.cli.film import check_film, save_film
 from sjdsl.cli.folders import require_folder_of, require_writable
 from sjdsl.cli.model_options import Asking, model_options
+from sjdsl.cli.next_commands import allowing, echo_next, repeated_options
 from sjdsl.cli.policies import check_policy, code_option, warnings_as_notes
 from sjdsl.cli.provenance import arguments_of_run
 from sjdsl.cli.scenarios import OR_A_GAME, evaluate_in_scenarios
@@ -30,6 +32,7 @@ from sjdsl.models import Limits
 from sjdsl.trainers.policies.estimates import difference, estimate
 from sjdsl.trainers.policies.stored_evaluation import RETURN, read_evaluation
 from sjdsl.trainers.runs.seeds_in_words import seeds_in_words, seeds_of_each
+from sjdsl.trainers.settings.extensions import allowed_code
 from sjdsl.trainers.settings.policy_names import UNTRAINED, split_name
 
 if TYPE_CHECKING:
@@ -42,6 +45,8 @@ WITHOUT_GAME = (
     "run", "episodes", "seed", "greedy", "film", "scenario", "allow_code", "tasks", "split",
     "problem", "parallel", "budget", "calls", "dry_run",
 )  # fmt: skip
+# Parameters that say which form of a game is played.
+OF_GAME = ("variant", "map_file", "agents", "params", "tasks", "split", "problem")
 STORED = ".safetensors"
 
 
@@ -100,6 +105,8 @@ def command(
         if greedy is not None:
             raise click.UsageError(f"{_greedy_option(greedy)} is not for --scenario")
         evaluate_in_scenarios(run, scenario, game, episodes, seed, output, options, asking)
+        if game is None:
+            _echo_next(run, None, _more_of_run(run))
         return
     if asking != Asking(Limits()):
         raise click.UsageError("--parallel, --budget, --calls and --dry-run are for --scenario")
@@ -108,6 +115,8 @@ def command(
         require_folder_of(Path(film))
     if game is not None and not _is_run(run, game):
         env, policy = _evaluate_policy(run, game, episodes, seed, greedy, output, options)
+        training = f"sjdsl train {shlex.quote(game)}{repeated_options(*OF_GAME)}"
+        commands = [(f"{training} --preset two_cores", "agents that learn in this game")]
     else:
         path, which = split_name(run)
         arguments = arguments_of_run(path, OR_A_GAME, game, options.map)
@@ -124,12 +133,42 @@ def command(
         _print_over_seeds(results)
         list_files(path)
         policy = stored_policy(folders[0], env, greedy, which) if film is not None else None
+        commands = _more_of_run(run)
     if film is not None:
         with stages("drawing an episode") as say:
             players = [run] * env.num_agents
             length = env.episode_length
             summary = save_film(env, policy, Path(film), length, seed, say, players=players)
         click.echo(summary)
+    if env.game.scenarios:
+        focal = f"sjdsl evaluate {shlex.quote(run)} --scenario all{_options_of_policy()}"
+        commands.insert(0, (focal, "a score among the scripted agents of the game's file"))
+    _echo_next(run, film, commands)
+
+
+def _more_of_run(run: str) -> list[tuple[str, str]]:
+    """Returns commands for a run that has been evaluated, each with its purpose."""
+    path = shlex.quote(str(split_name(run)[0]))
+    return [
+        (f"sjdsl plot {path} -o curves.png", "how it learnt"),
+        (f"sjdsl report {path} -o report", "its results as a page of tables and pictures"),
+    ]
+
+
+def _echo_next(policy: str, film: str | None, others: Sequence[tuple[str, str]]) -> None:
+    """Prints two commands for a policy that has been evaluated: a film, unless there is one, and
+    the first of the others."""
+    commands = [*others]
+    if film is None:
+        file = re.sub(r"\W+", "_", Path(policy).name).strip("_")
+        filming = f"sjdsl evaluate {shlex.quote(policy)}{_options_of_policy()} --film {file}.gif"
+        commands.insert(0, (filming, "the same, with an episode on film"))
+    echo_next(*commands[:2])
+
+
+def _options_of_policy() -> str:
+    """Returns the options with which this command has found the policy and made its game."""
+    return repeated_options("game", *OF_GAME) + allowing(allowed_code())
 
 
 def _refuse_options_for_game(scenario: str | None) -> None:
@@ -370,7 +409,7 @@ def _compare(
         evaluation = evaluate(env, policy_for(env), key, episodes)
         returns_of_training = evaluation.collective_returns
         columns = {name: summarise(evaluation)}
-        sides.append(("training", _interval(columns[name][RETURN]), ""))
+        sides.append(("training", str(columns[name][RETURN]), ""))
         for split, other in (held_out or {}).items():
             say(f"compiling and playing {episodes} episodes of held-out tasks, {split}")
             of_split = evaluate(other, policy_for(other), key, episodes)
@@ -378,7 +417,7 @@ def _compare(
             difference_ = difference(returns_of_training, of_split.collective_returns)
             differences[split] = difference_
             side = f"held out, {split}"
-            sides.append((side, _interval(figures[RETURN]), _interval(difference_)))
+            sides.append((side, str(figures[RETURN]), str(difference_)))
             of_splits[split] = {
                 "summary": {figure: asdict(value) for figure, value in figures.items()},
                 "training_minus_held_out": asdict(difference_),
@@ -390,7 +429,7 @@ def _compare(
     rows = [("", *columns)]
     for figure in columns[name]:
         if _is_listed(figure, env.game):
-            intervals = [_interval(column[figure]) for column in columns.values()]
+            intervals = [str(column[figure]) for column in columns.values()]
             rows.append((figure, *intervals))
     click.echo(
         f"\n{env.title or env.name}{title}: means of {episodes} episodes with their "
@@ -398,7 +437,7 @@ def _compare(
     )
     if differences:
         click.echo(f"\n{in_columns(sides)}")
-    returns = [_interval(column[RETURN]) for column in columns.values()]
+    returns = [str(column[RETURN]) for column in columns.values()]
     baseline = f" against {returns[1]} of a random policy" if len(returns) > 1 else ""
     click.echo(f"return {returns[0]}{baseline}")
     return differences
@@ -414,7 +453,7 @@ def _print_over_seeds(results: Sequence[Mapping[str, "Estimate"]]) -> None:
         means = np.array([of_seed[split].mean for of_seed in results])
         click.echo(
             f"training minus held out, {split}, over {len(results)} training seeds: "
-            f"{_interval(estimate(means))}"
+            f"{estimate(means)}"
         )
 
 
@@ -428,13 +467,6 @@ def _is_listed(figure: str, game: "ir.Game") -> bool:
         if figure == undeclared:
             return False
     return True
-
-
-def _interval(figure: "Estimate") -> str:
-    """Returns `97.3 [95.1, 99.4]`; a figure that some episode doesn't define has no mean."""
-    if math.isnan(figure.mean):
-        return "not defined"
-    return f"{figure.mean:.4g} [{figure.low:.4g}, {figure.high:.4g}]"
 
 
 def stored_policy(
@@ -469,11 +501,7 @@ def notes_on_training(run_dir: Path, which: str | int) -> Iterator[str]:
 
 
 def list_files(run_dir: Path) -> None:
-    """Prints the files of a run."""
-    files = sorted(path for path in run_dir.iterdir() if path.is_file())
-    click.echo(f"\n{run_dir}/")
-    for path in files:
-        click.echo(f"  {path.name}  {path.stat().st_size / 1000:.1f} kB")
-    for folder in sorted(path for path in run_dir.iterdir() if path.is_dir()):
-        names = sorted(path.name for path in folder.iterdir() if path.suffix != ".json")
-        click.echo(f"  {folder.name}/  {', '.join(names)}")
+    """Prints the files and folders of a run in one line."""
+    paths = sorted(run_dir.iterdir(), key=lambda path: (path.is_dir(), path.name))
+    names = [f"{path.name}/" if path.is_dir() else path.name for path in paths]
+    click.echo(f"\n{run_dir}/: {', '.join(name for name in names if not name.startswith('.'))}")

@@ -68,6 +68,6 @@ def prepare_environment(
 
 
 def echo_files(folder: Path, names: Sequence[str]) -> None:
-    """Prints the paths of those of the files that exist."""
-    paths = [folder / name for name in names]
-    click.echo("\n" + "\n".join(str(path) for path in paths if path.is_file()))
+    """Prints those of the files that exist in one line."""
+    written = [name for name in names if (folder / name).is_file()]
+    click.echo(f"\n{folder}/: {', '.join(written)}")

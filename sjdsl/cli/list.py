@@ -1,7 +1,8 @@
 """`sjdsl list`: a table of all bundled games."""
 
-from collections.abc import Iterable, Iterator, Sequence
-from textwrap import fill
+import shutil
+import sys
+from collections.abc import Iterable, Sequence
 
 import click
 
@@ -11,38 +12,46 @@ from sjdsl.compiler.compose import compose
 from sjdsl.compiler.ir.queries import task_space
 from sjdsl.library.games_folder import main_games, melting_pot_games
 
-WIDTH = 80  # columns of a terminal
+HEAD = ("game", "agents", "map", "actions", "title")
 
 
 @click.command("list")
 def command() -> None:
     """Lists the bundled games. `sjdsl doc GAME` prints everything about one of them."""
-    rows: list[tuple[str, ...]] = [("game", "agents", "map", "actions")]
-    notes: list[str] = []  # of each game: how many tasks it has, and its variants
-    for name in (*main_games(), *melting_pot_games()):
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
+    _echo_games(main_games(), width)
+    click.echo("\nfurther families of Melting Pot")
+    _echo_games(melting_pot_games(), width)
+    click.echo(
+        "\n`sjdsl doc GAME` prints its rules, actions, variants, parameters, sizes and metrics"
+    )
+
+
+def _echo_games(names: Iterable[str], width: int | None) -> None:
+    """Prints a line for each game, cut at `width` columns of a terminal."""
+    rows: list[tuple[str, ...]] = [HEAD]
+    for name in names:
         composition = compose(open_game(name))
         game = build_composition(composition).game
         size = f"{len(game.rows)} x {len(game.rows[0])}"
-        rows.append((name, str(game.agents.number), size, str(len(game.agents.actions))))
-        notes.append("\n".join(_notes(game, composition.variants)))
-    head, *lines = align(rows)
-    click.echo(head)
-    for number, (line, note) in enumerate(zip(lines, notes, strict=True)):
-        if number == len(main_games()):
-            click.echo("\nfurther families of Melting Pot")
+        described = _describe(game, composition.variants)
+        actions = str(len(game.agents.actions))
+        rows.append((name, str(game.agents.number), size, actions, described))
+    for line in align(rows):
+        if width is not None and len(line) > width:
+            line = f"{line[: width - 1]}…"
         click.echo(line)
-        if note:
-            click.echo(note)
-    click.echo("\n`sjdsl doc GAME` prints its rules, actions, parameters, sizes and metrics")
 
 
-def _notes(game: ir.Game, variants: Iterable[str]) -> Iterator[str]:
-    """Yields the lines below a game."""
+def _describe(game: ir.Game, variants: Iterable[str]) -> str:
+    """Returns the title of a game, how many tasks it has, and its variants."""
+    parts = [game.title]
     if game.task is not None:
-        yield f"    tasks    {task_space(game.task):,}"
+        parts.append(f"{task_space(game.task):,} tasks")
     names = ", ".join(variants)
     if names:
-        yield fill(names, WIDTH, initial_indent="    variants ", subsequent_indent=" " * 13)
+        parts.append(f"variants {names}")
+    return "; ".join(parts)
 
 
 def align(rows: Sequence[tuple[str, ...]]) -> list[str]:

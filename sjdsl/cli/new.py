@@ -9,7 +9,7 @@ import click
 
 from sjdsl.cli.folders import require_folder
 from sjdsl.cli.game_file import game_path
-from sjdsl.cli.list import align
+from sjdsl.cli.next_commands import echo_next
 from sjdsl.files import write_whole
 from sjdsl.library.games_folder import bundled
 from sjdsl.library.starter import copied_files, starting_files
@@ -39,7 +39,7 @@ def command(name: str | None, copied: str | None, folder: str) -> None:
         except ValueError as error:
             raise click.ClickException(str(error)) from None
         game, *_ = _write(Path(folder), texts)
-        _echo_steps(
+        echo_next(
             (f"sjdsl check {game}", "after each change: what is wrong with it"),
             (f"sjdsl play {game}", "control an agent"),
             (
@@ -60,7 +60,7 @@ def command(name: str | None, copied: str | None, folder: str) -> None:
             f"note: there is a bundled game {name} as well. In commands, `{name}` means that one, "
             f"and `{name}.sj` means yours; another name would keep them apart"
         )
-    _echo_steps(
+    echo_next(
         (f"sjdsl play {game}", "control an agent"),
         (f"sjdsl check {game}", "after each change: what is wrong with it"),
         (f"sjdsl test {game}", "test its checks"),
@@ -77,12 +77,6 @@ def command(name: str | None, copied: str | None, folder: str) -> None:
             "is it a dilemma for the file's own policies?",
         ),
     )
-
-
-def _echo_steps(*steps: tuple[str, str]) -> None:
-    """Prints what to do next: calls, each with its purpose."""
-    rows = [(f"  {call}", purpose) for call, purpose in steps]
-    click.echo("\n".join(align([("next:", ""), *rows])))
 
 
 def _write(folder: Path, texts: Mapping[str, str]) -> list[Path]:

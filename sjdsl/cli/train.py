@@ -16,6 +16,7 @@ from sjdsl.cli.environment_options import (
     written_options,
 )
 from sjdsl.cli.evaluate import evaluate_run, list_files
+from sjdsl.cli.next_commands import allowing, echo_next
 from sjdsl.cli.provenance import locate
 from sjdsl.cli.run_options import RunOptions, check_policies, run_options
 from sjdsl.cli.stages import LOADING, stages
@@ -30,7 +31,7 @@ from sjdsl.trainers.runs.progress import rate
 from sjdsl.trainers.runs.run_lock import is_unused
 from sjdsl.trainers.runs.seeds_in_words import seeds_in_words, seeds_of_each
 from sjdsl.trainers.runs.stages import stage_folders
-from sjdsl.trainers.settings.config import stored_config
+from sjdsl.trainers.settings.config import code_of, stored_config
 from sjdsl.trainers.settings.extensions import absolute_name, find, require_allowed, short_name
 from sjdsl.trainers.settings.own_settings import OWN, taken_settings
 
@@ -266,6 +267,8 @@ def _finish(result: "Result", env: "Environment", config: "Config", episodes: in
     """Evaluates each seed's policy, and prints the time and memory of the run."""
     import jax
 
+    from sjdsl.trainers.policies.policy_file import POLICIES, SUFFIX
+
     if jax.process_index() != 0:
         return
     if result.stage:
@@ -303,6 +306,25 @@ def _finish(result: "Result", env: "Environment", config: "Config", episodes: in
             f"the policy of update {update - 1} is kept"
         )
     list_files(result.run_dir)
+    best = completed[0] / POLICIES / f"best{SUFFIX}"
+    _echo_next(result.run_dir, config, best.is_file())
+
+
+def _echo_next(path: Path, config: "Config", has_best: bool) -> None:
+    """Prints what a user may want next of a run: its best policy on film, and a longer training."""
+    name = shlex.quote(f"{path}@best" if has_best else str(path))
+    film = shlex.quote(f"{path.name}.gif")
+    acting, learning = (
+        allowing(code for _, code in code_of(config, to_act)) for to_act in (True, False)
+    )
+    steps = 2 * config.total_timesteps
+    echo_next(
+        (f"sjdsl evaluate {name}{acting} --film {film}", "what it earns, with an episode on film"),
+        (
+            f"sjdsl train --resume {shlex.quote(str(path))}{learning} --set total_timesteps={steps}",
+            "trains for twice as long",
+        ),
+    )
 
 
 def join_processes() -> None:

@@ -1,6 +1,5 @@
 """The results of experiments as text for a terminal."""
 
-import math
 from collections.abc import Sequence
 
 from sjdsl.experiments.contrasts import IN_WORDS
@@ -8,7 +7,7 @@ from sjdsl.experiments.diagram import Diagram
 from sjdsl.experiments.mixtures import CrossPlay
 from sjdsl.experiments.scenario_scores import RANDOM, ScenarioScores
 from sjdsl.experiments.usage import too_many_invalid, usage_text
-from sjdsl.trainers.policies.estimates import Estimate
+from sjdsl.trainers.policies.estimates import number
 
 
 def diagram_text(diagram: Diagram) -> str:
@@ -21,10 +20,8 @@ def diagram_text(diagram: Diagram) -> str:
     defecting = diagram.defecting
     for others, (difference, preferred) in enumerate(diagram.preferences):
         figures = (cooperating[others], defecting[others], difference)
-        lines.append((str(others), *map(_with_bounds, figures), preferred))
-    contrasts = [
-        (name, _with_bounds(figure), IN_WORDS[name]) for name, figure in diagram.contrasts.items()
-    ]
+        lines.append((str(others), *map(str, figures), preferred))
+    contrasts = [(name, str(figure), IN_WORDS[name]) for name, figure in diagram.contrasts.items()]
     parts = [
         f"\n{diagram.experiment.title}: cooperators {cooperators.name}, "
         f"defectors {defectors.name}; {diagram.population}",
@@ -66,7 +63,7 @@ def crossplay_text(results: CrossPlay) -> str:
     rows = [("mixture", "policy", "return of an agent")]
     for lineup in experiment.lineups:
         for index, figure in results.estimates(lineup).items():
-            rows.append((results.mixture(lineup, names), names[index], _with_bounds(figure)))
+            rows.append((results.mixture(lineup, names), names[index], str(figure)))
     samples = f"{experiment.episodes} episodes, of these policies only"
     if experiment.replicates > 1:
         samples = f"{experiment.replicates} training seeds"
@@ -101,10 +98,10 @@ def scenarios_text(scores: ScenarioScores) -> str:
             (
                 name,
                 f"{score.number_focal} of {scores.experiment.env.num_agents}",
-                _with_bounds(score.focal),
-                "none" if score.background is None else _with_bounds(score.background),
-                f"{score.baseline(RANDOM).mean:.4g}",
-                f"{score.baseline(score.best).mean:.4g}, {score.best}",
+                str(score.focal),
+                "none" if score.background is None else str(score.background),
+                number(score.baseline(RANDOM).mean),
+                f"{number(score.baseline(score.best).mean)}, {score.best}",
                 "undefined" if score.score is None else f"{score.score:.3g}",
             )
         )
@@ -130,10 +127,3 @@ def in_columns(rows: Sequence[Sequence[str]]) -> str:
         cells = [cell.ljust(width) for cell, width in zip(row, widths, strict=True)]
         lines.append(f"  {'  '.join(cells)}".rstrip())
     return "\n".join(lines)
-
-
-def _with_bounds(figure: Estimate) -> str:
-    """Returns `97.3 [95.1, 99.4]`; a single sample has no bounds."""
-    if not math.isfinite(figure.low):
-        return f"{figure.mean:.4g} [not known]"
-    return f"{figure.mean:.4g} [{figure.low:.4g}, {figure.high:.4g}]"

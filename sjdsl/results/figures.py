@@ -10,9 +10,7 @@ from typing import Any
 import numpy as np
 
 from sjdsl.results.statistics import Comparison
-from sjdsl.trainers.policies.estimates import Estimate, estimate
-
-SHOWN = 4  # digits
+from sjdsl.trainers.policies.estimates import Estimate, estimate, number
 
 
 @dataclass(frozen=True)
@@ -64,13 +62,6 @@ class Result:
 def counted(number: int, noun: str) -> str:
     """Returns `1 seed`, `3 seeds`."""
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
-
-
-def number(value: float) -> str:
-    """Returns a number with at most four digits: `0.91`, `163.2`, `1,780`."""
-    if abs(value) >= 1000:
-        return f"{value:,.0f}"
-    return f"{value + 0.0:.{SHOWN}g}"  # + 0.0 makes -0.0 a 0
 
 
 def short(value: float) -> str:

@@ -7,9 +7,9 @@ from typing import Any
 
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.library.tasks import ARGUMENTS as OF_TASKS
-from sjdsl.near_names import meant
 from sjdsl.several import several
 from sjdsl.trainers.settings.config import KEYS_OF
+from sjdsl.trainers.settings.config_errors import meant_key
 from sjdsl.trainers.settings.own_settings import OWN
 
 PARAM = "param."  # before the name of one of the game's numbers
@@ -75,7 +75,7 @@ def check_name(name: str) -> str:
     keys = {key for keys in KEYS_OF.values() for key in keys}
     known = [*sorted(keys.difference(SEEDS)), *IN_GAME]
     if name not in known:
-        hint = meant(name, [*known, PARAM, OWN], "") or (
+        hint = meant_key(name, [*known, PARAM, OWN]) or (
             ": an axis is a key of the configuration (`sjdsl train --keys` lists them), own.NAME, "
             "param.NAME, variant, tasks, split, or problem"
         )

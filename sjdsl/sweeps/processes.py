@@ -3,7 +3,7 @@ the GPUs.
 
 XLA starts a thread for every core that a process may use. Two processes with a thread on each core
 wait for one another at every operation that is divided among threads; with cores of its own, each
-waits for nobody (docs/sweeps.md has the measurement).
+waits for nobody (docs/research/sweeps.md has the measurement).
 """
 
 import multiprocessing

@@ -1,6 +1,7 @@
 """`sjdsl evaluate POLICY --game GAME`: policies that are no runs, with the figures that runs and cross-play have; and what is refused."""
 
 import json
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,8 @@ def file(folder: Path, grove: None, described: dict[str, Any]) -> Path:
     """A policy, stored as that of a run."""
     del grove
     stored = store(folder / "runs/one", make_environment(described), 0)
-    (folder / "runs/one/manifest.json").write_text(json.dumps({"provenance": described}))
+    manifest = {"game": {}, "config": {}, "versions": {}, "provenance": described}
+    (folder / "runs/one/manifest.json").write_text(json.dumps(manifest))
     return stored
 
 
@@ -81,6 +83,23 @@ def test_what_cannot_be_evaluated_is_refused(sjdsl: Sjdsl, folder: Path, file: P
             1,
             True,
         ), shown.text
+
+
+def test_the_end_names_two_commands_for_the_same_game(sjdsl: Sjdsl, folder: Path) -> None:
+    shown = sjdsl("evaluate", "eater", *PLAYED, "--param", "growth[ripe]=0.5", "--agents", "2")
+    assert shown.status == 0, shown.text
+    head, *commands = shown.out.splitlines()[-3:]
+    game = "--game grove.sj --agents 2 --param 'growth[ripe]=0.5'"
+    assert head == "next:"
+    assert [command.strip().split("  ")[0] for command in commands] == [
+        f"sjdsl evaluate eater {game} --film eater.gif",
+        f"sjdsl evaluate eater --scenario all {game}",
+    ]
+    for command in commands:
+        arguments = shlex.split(command.strip().split("  ")[0])[1:]
+        again = sjdsl(*arguments, "--episodes", "2")
+        assert again.status == 0, again.text
+    assert (folder / "eater.gif").is_file()
 
 
 def test_random_is_compared_with_nothing(sjdsl: Sjdsl, folder: Path) -> None:

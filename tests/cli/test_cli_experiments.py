@@ -30,7 +30,9 @@ def test_a_diagram(sjdsl: Sjdsl, folder: Path) -> None:
     assert [line for line in shown.err.splitlines() if line.startswith("playing")] == [
         f"playing 3 episodes of line-up {number} of 3" for number in (1, 2, 3)
     ]
-    assert "orchard_schelling/schelling.json" in shown.out
+    assert shown.out.splitlines()[-1] == (
+        "orchard_schelling/: schelling.json, schelling.png, schelling.svg"
+    )
     stored = json.loads((folder / "orchard_schelling/schelling.json").read_text())
     assert (stored["cooperators"], stored["defectors"], stored["episodes"]) == ("stay", "random", 3)
     assert stored["C"]["mean"] == [0.0, 0.0], "who stays eats nothing"

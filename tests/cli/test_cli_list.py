@@ -1,6 +1,7 @@
 """`sjdsl list`, `dump` and `explain`: what there is to know about games, stages and messages."""
 
 from importlib import import_module
+from os import terminal_size
 
 import pytest
 from command_line import Sjdsl
@@ -19,15 +20,26 @@ def test_games_are_listed(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None
     assert shown.status == 0
     own, further, rest = shown.out.split("\n\n")
     assert rest.startswith("`sjdsl doc GAME`")
-    assert own.splitlines()[0].split() == ["game", "agents", "map", "actions"]
+    assert own.splitlines()[0].split() == ["game", "agents", "map", "actions", "title"]
     assert further.splitlines()[0] == "further families of Melting Pot"
-    rows = [
-        [line.split()[0] for line in group.splitlines()[1:] if line[0] != " "]
-        for group in (own, further)
-    ]
-    assert rows == [list(games), list(further_games)]
-    assert "\n    variants socialjax, meltingpot, crowd\n" in own
-    assert max(map(len, shown.out.splitlines())) <= 80
+    rows = [own.splitlines()[1:], further.splitlines()[2:]]
+    assert [[row.split()[0] for row in group] for group in rows] == [list(games), further_games]
+    coins, _, mushrooms = rows[0]
+    title = own.splitlines()[0].index("title")
+    assert coins[title:] == "Coins; variants socialjax, meltingpot"
+    assert mushrooms[title:].startswith("Externality Mushrooms; variants ")
+
+
+def test_lines_end_at_the_width_of_a_terminal(
+    sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    command = import_module("sjdsl.cli.list")
+    monkeypatch.setattr(command, "main_games", lambda: ["coins"])
+    monkeypatch.setattr(command, "melting_pot_games", lambda: [])
+    whole = sjdsl("list").out.splitlines()[1]
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
+    monkeypatch.setattr(command.shutil, "get_terminal_size", lambda: terminal_size((50, 24)))
+    assert sjdsl("list").out.splitlines()[1] == f"{whole[:49]}…"
 
 
 @pytest.mark.parametrize("stage", STAGES)

@@ -219,7 +219,7 @@ def test_list_counts_tasks(
     monkeypatch.setattr(listing, "main_games", lambda: [str(CASE)])
     monkeypatch.setattr(listing, "melting_pot_games", lambda: [])
     assert run(["list"]) == 0
-    assert "    tasks    14,580" in capsys.readouterr().out
+    assert "; 14,580 tasks" in capsys.readouterr().out
 
 
 def test_evaluation_compares_training_and_held_out_tasks(

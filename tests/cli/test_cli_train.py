@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 from pathlib import Path
 
 import pytest
@@ -20,6 +21,12 @@ SMALL = (
 QUICK = [part for value in SMALL for part in ("--set", value)]
 
 
+def next_commands(output: str) -> list[str]:
+    """Returns the commands at the end of an output, without their purposes."""
+    _, _, commands = output.rpartition("\nnext:\n")
+    return [line.strip().split("  ")[0] for line in commands.splitlines()]
+
+
 @pytest.mark.thorough
 def test_a_run_can_be_evaluated_and_drawn(sjdsl: Sjdsl, folder: Path) -> None:
     trained = sjdsl("train", "orchard.sj", *QUICK, "--param", "apple=2", "--episodes", "0")
@@ -27,8 +34,14 @@ def test_a_run_can_be_evaluated_and_drawn(sjdsl: Sjdsl, folder: Path) -> None:
     run_dir = Path(
         "runs/orchard_ippo_individual_seed0"
     )  # each learns from its own reward, unless asked otherwise
-    assert f"{run_dir}/" in trained.out
-    assert "metrics.jsonl" in trained.out
+    assert (
+        f"\n{run_dir}/: learning_curve.png, manifest.json, metrics.jsonl, checkpoints/, policies/\n"
+        in trained.out
+    )
+    assert next_commands(trained.out) == [
+        f"sjdsl evaluate {run_dir}@best --film orchard_ippo_individual_seed0.gif",
+        f"sjdsl train --resume {run_dir} --set total_timesteps=192",
+    ]
     assert "training 96 environment steps: 2 updates of 4 environments x 12 steps" in trained.err
     assert "loading JAX and the game" in trained.err
     rates = re.findall(r"([\d,]+) steps(?:/s| a second)", trained.out)
@@ -48,6 +61,12 @@ def test_a_run_can_be_evaluated_and_drawn(sjdsl: Sjdsl, folder: Path) -> None:
     assert "playing 3 episodes of the trained policy" in evaluated.err
     assert "return " in evaluated.out
     assert "the best policy: means of 3 episodes" in evaluated.out
+    filming, plotting = next_commands(evaluated.out)
+    assert filming == (
+        f"sjdsl evaluate {run_dir}@best --film orchard_ippo_individual_seed0_best.gif"
+    )
+    plotted = sjdsl(*shlex.split(plotting)[1:])
+    assert (plotted.status, (folder / "curves.png").is_file()) == (0, True), plotted.text
     stored = json.loads((run_dir / "evaluation_best.json").read_text())
     said = {"policy": "best", "seed": 0, "greedy": None, "episodes": 3}
     assert {name: stored[name] for name in said} == said
@@ -247,6 +266,12 @@ def test_what_users_bring_along_is_named_on_the_command_line(
     shown = sjdsl("train", "orchard.sj", *QUICK, *brought, "--episodes", "0")
     assert shown.status == 0, shown.text
     run_dir = Path("runs/orchard_ippo_double_seed0")
+    ahead = f"--allow-code {folder}/mine.py:ahead"
+    assert next_commands(shown.out) == [
+        f"sjdsl evaluate {run_dir}@best {ahead} --film orchard_ippo_double_seed0.gif",
+        f"sjdsl train --resume {run_dir} --allow-code {folder}/mine.py:double {ahead} "
+        "--set total_timesteps=192",
+    ]
     config = json.loads((run_dir / "manifest.json").read_text())["config"]
     assert (config["reward"], config["partners"]) == (
         f"{folder}/mine.py:double",

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from sjdsl.compiler.diagnostics.diagnostic import Diagnostic, Fix, Label
-from sjdsl.compiler.diagnostics.report import WIDTH, render, to_json
+from sjdsl.compiler.diagnostics.report import TAB, WIDTH, render, to_json
 from sjdsl.compiler.diagnostics.source import Source, Span
 
 
@@ -62,6 +62,12 @@ def test_the_end_of_the_file_has_a_caret() -> None:
         ("a\tset x", "x", "a   set x", "        ^"),
         ("a \x1b[31m x", "x", "a \\x1b[31m x", "           ^"),
         ("a \u202e x", "x", "a \\u202e x", "         ^"),
+        ("鱼塘 x", "x", "鱼塘 x", "     ^"),  # each is two columns wide
+        ("a 鱼塘 x", "鱼塘", "a 鱼塘 x", "  ^^^^"),
+        ("鱼\tx", "x", "鱼  x", "    ^"),
+        ("🐟 x", "x", "🐟 x", "   ^"),
+        ("e\u0301 x", "x", "e\u0301 x", "  ^"),  # an accent on the letter before it
+        ("ｆ x", "x", "ｆ x", "   ^"),  # a full-width letter
     ],
 )
 def test_carets_stand_under_what_is_meant(line: str, part: str, excerpt: str, carets: str) -> None:
@@ -79,6 +85,26 @@ def test_long_lines_are_cut_around_the_mark(place: int) -> None:
     assert excerpt[at : at + len(carets.strip())] == "target"
     assert excerpt.startswith("…") == (place > WIDTH)
     assert excerpt.endswith("…") == (place < 4900)
+
+
+def columns_of(text: str) -> int:
+    """Returns how many columns a terminal needs for a text of `.`, `…`, `鱼` and letters."""
+    return len(text) + text.count("鱼")
+
+
+@pytest.mark.parametrize("width", [50, 61, 80, 133])
+@pytest.mark.parametrize("filler", [".", "鱼", ".鱼", "\t"])
+@pytest.mark.parametrize("before", [0, 10, 31, 60, 200])
+def test_lines_are_cut_at_the_width_of_a_terminal(width: int, filler: str, before: int) -> None:
+    line = filler * before + "target" + filler * 200
+    source = Source("game.sj", line)
+    shown_lines = render([wrong(line, "target")], {"game.sj": source}, False, width).split("\n")
+    excerpt, carets = shown_lines[3:5]
+    assert columns_of(excerpt) <= width
+    assert columns_of(excerpt) > width - TAB, "no more is cut than a character"
+    assert columns_of(excerpt[: excerpt.index("target")]) == carets.index("^")
+    assert carets.strip(" |") == "^" * 6
+    assert columns_of(carets) <= width
 
 
 def test_colours_only_add_to_the_text() -> None:

@@ -147,7 +147,10 @@ def test_it_is_kept_as_it_ran(name: str) -> None:
     nbformat.validate(kept)
     code = [cell for cell in kept.cells if cell.cell_type == "code"]
     assert [cell.execution_count for cell in code] == list(range(1, len(code) + 1))
+    assert re.search(rf"%pip install .*'sjdsl\[[a-z,]+\] @ git\+{URL}'", code[0].source)
     outputs = [output for cell in code for output in cell.outputs]
+    texts = [output.text for output in outputs if output.output_type == "stream"]
+    assert re.findall(r"\d\.\d{7,}", "".join(texts)) == [], "figures are rounded"
     assert any("image/png" in output.get("data", {}) for output in outputs)
     assert [output for output in outputs if output.output_type == "error"] == []
     assert [

@@ -19,6 +19,24 @@ from sjdsl.trainers.runs.updates import Update
 CONFIG = SHORT.model_copy(update={"evaluate_every": 0})
 HOLDS = "from sjdsl.trainers.runs.run_lock import locked; from pathlib import Path; import sys, time\nwith locked(Path(sys.argv[1])): print('held', flush=True); time.sleep(600)"
 
+COUNTS = """
+import sys
+from pathlib import Path
+from sjdsl.trainers import RunError
+from sjdsl.trainers.runs.run_lock import locked
+
+folder = Path(sys.argv[1])
+counted = 0
+while counted < 40:
+    try:
+        with locked(folder / "run"):
+            number = int((folder / "count").read_text())
+            (folder / "count").write_text(str(number + 1))
+            counted += 1
+    except RunError:
+        pass
+"""
+
 
 @pytest.fixture(autouse=True)
 def learns_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -59,6 +77,7 @@ def test_a_run_that_is_under_way_is_not_begun_or_resumed_beside(tmp_path: Path) 
                 said.append(str(error.value))
 
     assert train(matching(), CONFIG, folder, "none", callback=beside).updates == 12
+    assert not (folder / LOCK).exists(), "nobody holds it any more"
     assert f"process {os.getpid()}" in said[0]
     assert "is not empty" in said[1]
     assert read_manifest(folder)["status"] == "finished"
@@ -72,6 +91,20 @@ def test_a_lock_that_nobody_holds_is_in_no_ones_way(tmp_path: Path) -> None:
     (tmp_path / LOCK).write_text("process 1 of nowhere")
     assert is_unused(tmp_path)
     assert train(matching(), CONFIG, tmp_path, "none").updates == 12
+    assert not (tmp_path / LOCK).exists()
     assert not is_unused(tmp_path)
+
+
+def test_the_lock_is_held_by_one_however_often_its_file_goes(tmp_path: Path) -> None:
+    """Processes that take and release it in turns: each adds to a count while it holds it."""
+    count = tmp_path / "count"
+    count.write_text("0")
+    processes = [subprocess.Popen([sys.executable, "-c", COUNTS, str(tmp_path)]) for _ in range(3)]
+    assert [process.wait() for process in processes] == [0, 0, 0]
+    assert count.read_text() == "120"
+    assert not (tmp_path / "run" / LOCK).exists()
+
+
+def test_a_file_is_no_folder_for_a_run(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
     assert not is_unused(tmp_path / "file")

@@ -4,7 +4,9 @@ import pytest
 from probes import constant
 from pydantic import ValidationError
 
-from sjdsl.trainers import PPOConfig, VDNConfig, load_preset, make_config, make_train
+from sjdsl.trainers import ConfigError, PPOConfig, VDNConfig, load_preset, make_config, make_train
+from sjdsl.trainers.settings.config import KEYS_OF
+from sjdsl.trainers.settings.config_errors import SYNONYMS
 
 
 def test_numbers_may_come_as_text() -> None:
@@ -14,6 +16,42 @@ def test_numbers_may_come_as_text() -> None:
         3e-4,
         False,
     )
+
+
+@pytest.mark.parametrize(
+    ("key", "algorithm", "meant"),
+    [
+        ("lr", "ippo", "learning_rate"),
+        ("ent_coef", "mappo", "entropy_coefficient"),
+        ("n_envs", "ippo", "num_envs"),
+        ("n_steps", "ippo", "num_steps"),
+        ("rollout_length", "vdn", "num_steps"),
+        ("update_epochs", "ippo", "num_epochs"),
+        ("max_grad_norm", "ippo", "max_gradient_norm"),
+        ("vf_coef", "ippo", "value_coefficient"),
+        ("gae", "ippo", "gae_lambda"),
+        ("tau", "vdn", "target_rate"),
+    ],
+)
+def test_names_of_other_libraries_are_understood(key: str, algorithm: str, meant: str) -> None:
+    with pytest.raises(ConfigError) as error:
+        make_config({key: 1}, algorithm=algorithm)
+    assert str(error.value) == f"unknown key `{key}`; did you mean `{meant}`?"
+
+
+def test_a_key_of_another_algorithm_leads_to_that_of_this_one() -> None:
+    with pytest.raises(ConfigError, match="it is one of vdn; did you mean `num_minibatches`"):
+        make_config(batch_size=64)
+    assert make_config(algorithm="vdn", batch_size=64).batch_size == 64
+
+
+def test_a_key_like_no_other_leads_to_the_list() -> None:
+    with pytest.raises(ConfigError, match=r"^unknown key `zzz`; `sjdsl train --keys` lists"):
+        make_config(zzz=1)
+
+
+def test_the_names_of_other_libraries_are_for_settings() -> None:
+    assert {*SYNONYMS.values()} <= {key for keys in KEYS_OF.values() for key in keys}
 
 
 def test_a_config_is_frozen() -> None:

@@ -7,6 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
+DIGITS = 2  # of half the width of an interval, when it is printed
+NO_WIDTH = 1e-6  # of its bounds: half a width that only rounding can have made
+
 
 @dataclass(frozen=True)
 class Estimate:
@@ -15,6 +18,32 @@ class Estimate:
     mean: float
     low: float
     high: float
+
+    def __str__(self) -> str:
+        """Returns `11.0 [8.9, 13.1]`: rounded to two digits of half the interval's width.
+
+        A figure that some sample doesn't define has no mean; a single sample has no bounds.
+        """
+        if math.isnan(self.mean):
+            return "not defined"
+        if not math.isfinite(self.high - self.low):
+            return f"{number(self.mean)} [not known]"
+        margin = (self.high - self.low) / 2
+        if margin <= NO_WIDTH * max(abs(self.low), abs(self.high)):
+            mean, low, high = map(number, (self.mean, self.low, self.high))
+        else:
+            decimals = max(0, DIGITS - 1 - math.floor(math.log10(margin)))
+            mean, low, high = (
+                f"{value:z,.{decimals}f}" for value in (self.mean, self.low, self.high)
+            )
+        return f"{mean} [{low}, {high}]"
+
+
+def number(value: float) -> str:
+    """Returns a number with at most four significant digits: `0.91`, `163.2`, `1,780`."""
+    if abs(value) >= 1000:
+        return f"{value:,.0f}"
+    return f"{value:z.4g}"
 
 
 def stack_estimates(

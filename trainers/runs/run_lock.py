@@ -12,7 +12,7 @@ from sjdsl.files import open_in_place
 
 from .run_errors import RunError
 
-LOCK = ".lock"  # stays in the folder: a lock is held by a process, not by the file
+LOCK = ".lock"  # in the folder while a process trains there, and after one that was killed
 
 
 def is_unused(run_dir: Path) -> bool:
@@ -34,13 +34,23 @@ def locked(folder: Path) -> Iterator[None]:
     try:
         lock = FileLock(path).acquire(timeout=0)
     except Timeout:
-        holder = path.read_text("utf-8").strip() or "another process"
         raise RunError(
-            f"{folder} is in use: {holder} trains there. Wait until it has ended, or name another folder"
+            f"{folder} is in use: {_holder(path)} trains there. Wait until it has ended, or name another folder"
         ) from None
     with lock:
         _name_holder(path)
-        yield
+        try:
+            yield
+        finally:
+            # While it is held: one who opens it only now finds that it is gone, and makes another.
+            path.unlink(missing_ok=True)
+
+
+def _holder(path: Path) -> str:
+    """Returns which process holds a lock, by what it wrote there; the file may just have gone."""
+    with suppress(FileNotFoundError):
+        return path.read_text("utf-8").strip() or "another process"
+    return "another process"
 
 
 def _name_holder(path: Path) -> None:

@@ -3,7 +3,7 @@
 import math
 import operator
 import re
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, NamedTuple, get_args
 
@@ -530,13 +530,23 @@ def require_code(config: Config, place: str, to_act: bool) -> None:
       place: where it is stored.
       to_act: whether the policy only acts, so that losses and rewards aren't used.
     """
+    for kind, name in code_of(config, to_act):
+        require_allowed(kind, name, place)
+
+
+def code_of(config: Config, to_act: bool) -> Iterator[tuple[Kind, str]]:
+    """Yields the kind and the name of what a configuration may have of the user's code.
+
+    Args:
+      to_act: whether the policy only acts, so that losses and rewards aren't used.
+    """
     for kind, name in config.hooks.items():
         if not to_act or kind in TO_ACT:
-            require_allowed(kind, name, place)
+            yield kind, name
     for _, policy in config.partners:
         path, _ = split_name(policy)
         if not path.exists():
-            require_allowed("policy", policy, place)
+            yield "policy", policy
 
 
 def class_of(algorithm: Any) -> type[Config]:

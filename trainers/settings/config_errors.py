@@ -1,7 +1,7 @@
 """Error messages for wrong configurations."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Container, Mapping
 from typing import Any
 
 from sjdsl.near_names import either, meant, nearest
@@ -25,6 +25,47 @@ EXPECTED: Mapping[str, str] = {
 }
 
 
+# What other libraries call a setting: CleanRL, Stable-Baselines3, RLlib, PureJaxRL, JaxMARL.
+SYNONYMS: Mapping[str, str] = {
+    **dict.fromkeys(("lr", "step_size", "alpha"), "learning_rate"),
+    **dict.fromkeys(("anneal_lr", "lr_decay", "lr_schedule"), "anneal_learning_rate"),
+    **dict.fromkeys(("ent_coef", "ent_coeff", "ent_weight", "entropy"), "entropy_coefficient"),
+    **dict.fromkeys(("vf_coef", "vf_coeff", "vf_loss_coeff", "critic_coef"), "value_coefficient"),
+    **dict.fromkeys(("clip", "clip_eps", "clip_param", "clip_range", "clip_coef"), "clip_epsilon"),
+    **dict.fromkeys(("clip_vloss", "clip_range_vf", "vf_clip_param"), "clip_value_loss"),
+    **dict.fromkeys(("discount", "discount_factor", "discount_rate"), "gamma"),
+    **dict.fromkeys(("gae", "lam", "lambda", "lambda_"), "gae_lambda"),
+    **dict.fromkeys(("epochs", "update_epochs", "k_epochs", "ppo_epochs"), "num_epochs"),
+    **dict.fromkeys(("batch_size", "minibatch_size", "mini_batches"), "num_minibatches"),
+    **dict.fromkeys(("rollout_length", "unroll_length", "horizon", "n_step"), "num_steps"),
+    **dict.fromkeys(("envs", "environments", "parallel_envs", "num_workers"), "num_envs"),
+    **dict.fromkeys(("steps", "timesteps", "max_steps", "total_steps"), "total_timesteps"),
+    **dict.fromkeys(("grad_clip", "clip_grad", "clip_grad_norm"), "max_gradient_norm"),
+    **dict.fromkeys(("eps", "adam_eps", "opt_eps"), "adam_epsilon"),
+    **dict.fromkeys(("hidden_size", "hidden_dim", "hidden_units", "width"), "network_width"),
+    **dict.fromkeys(("parameter_sharing", "share_params", "share_parameters"), "sharing"),
+    **dict.fromkeys(("rnn", "lstm", "gru", "recurrent"), "memory"),
+    **dict.fromkeys(("tau", "polyak"), "target_rate"),
+    **dict.fromkeys(("target_update_interval", "target_network_frequency"), "target_update_every"),
+    **dict.fromkeys(("exploration_fraction", "eps_decay"), "epsilon_fraction"),
+    **dict.fromkeys(("replay_size", "memory_size"), "buffer_size"),
+}
+
+
+def synonym(key: str, known: Container[str]) -> str:
+    """Returns the end of a message about a key that another library has for a known one, else ""."""
+    name = SYNONYMS.get(key)
+    if name is None or name not in known:
+        return ""
+    return f"; did you mean `{name}`?"
+
+
+def meant_key(key: str, known: Collection[str]) -> str:
+    """Returns the end of a message about an unknown key: its synonym or the nearest known keys, ""
+    if there are none."""
+    return synonym(key, known) or meant(key, known, "")
+
+
 def sentence_of(
     fault: Mapping[str, Any], known: Mapping[str, Any], keys_of: Mapping[str, Mapping[str, Any]]
 ) -> str:
@@ -39,8 +80,10 @@ def sentence_of(
     if kind == "extra_forbidden":
         owners = [algorithm for algorithm, keys in keys_of.items() if key in keys]
         if owners:
-            return f"unknown key `{key}` here: it is one of {' and '.join(owners)}"
-        return f"unknown key `{key}`{meant(key, known, 'the keys are')}"
+            where = f"here: it is one of {' and '.join(owners)}"
+            return f"unknown key `{key}` {where}{synonym(key, known)}"
+        suggestion = meant_key(key, known) or "; `sjdsl train --keys` lists the keys"
+        return f"unknown key `{key}`{suggestion}"
     need = fault["msg"]
     if kind in EXPECTED:
         need = EXPECTED[kind].format(**fault.get("ctx", {}))

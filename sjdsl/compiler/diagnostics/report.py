@@ -1,5 +1,7 @@
 """Prints diagnostics: as text with the lines they are about, or as plain data for a program."""
 
+import unicodedata
+from bisect import bisect_left, bisect_right
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -10,6 +12,8 @@ from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.source import Source, Span
 
 WIDTH = 100  # columns of an excerpt; a longer line is cut around what the message is about
+NARROWEST = 40  # columns of an excerpt in the narrowest terminal
+BEFORE = 20  # columns shown before what a message is about, if it begins far to the right
 TAB = 4
 LINES = 4  # a longer span shows its first and last line only
 RED = "\x1b[31m"
@@ -29,11 +33,19 @@ class Mark(Record):
     text: str = ""
 
 
-def render(diagnostics: Sequence[Diagnostic], sources: Mapping[str, Source], colour: bool) -> str:
-    """Returns the diagnostics as text for a terminal, with the number of errors and warnings."""
+def render(
+    diagnostics: Sequence[Diagnostic],
+    sources: Mapping[str, Source],
+    colour: bool,
+    width: int | None = None,
+) -> str:
+    """Returns the diagnostics as text for a terminal, with the number of errors and warnings.
+
+    width: the terminal's columns, at which excerpts are cut; None: excerpts have up to `WIDTH`.
+    """
     if not diagnostics:
         return ""
-    parts = [_render_one(d, sources, colour) for d in diagnostics]
+    parts = [_render_one(d, sources, colour, width) for d in diagnostics]
     counts = Counter(d.severity for d in diagnostics)
     summary = []
     for name in ("error", "warning"):
@@ -83,19 +95,23 @@ def _place(span: Span, sources: Mapping[str, Source]) -> dict[str, Any]:
     }
 
 
-def _render_one(d: Diagnostic, sources: Mapping[str, Source], colour: bool) -> str:
+def _render_one(
+    d: Diagnostic, sources: Mapping[str, Source], colour: bool, width: int | None
+) -> str:
     """Returns a diagnostic as text: its message, the lines it is about, and its help."""
     tint = RED if d.severity == "error" else YELLOW
     head = _paint(f"{d.severity}[{d.code}]", tint + BOLD, colour)
     place = f"{visible(d.span.file)}:{d.span.line}:{d.span.column}"
     lines = [f"{head} {_paint(place, BOLD, colour)}", f"  {visible(d.message)}"]
-    lines += _excerpts(d, sources, tint if colour else "")
+    lines += _excerpts(d, sources, tint if colour else "", width)
     if d.hint:
         lines.append(f"  {_paint('help:', BLUE + BOLD, colour)} {visible(d.hint)}")
     return "\n".join(lines) + "\n"
 
 
-def _excerpts(d: Diagnostic, sources: Mapping[str, Source], tint: str) -> list[str]:
+def _excerpts(
+    d: Diagnostic, sources: Mapping[str, Source], tint: str, width: int | None
+) -> list[str]:
     """Returns the lines of the diagnostic and of its labels, each file on its own, in order."""
     marks: dict[str, list[Mark]] = {}
     elsewhere = []
@@ -105,14 +121,14 @@ def _excerpts(d: Diagnostic, sources: Mapping[str, Source], tint: str) -> list[s
             marks.setdefault(span.file, []).extend(_marks(span, sources[span.file], sign, text))
         elif sign == "-":
             elsewhere.append(f"  {visible(span.file)}:{span.line}: {visible(text)}")
-    width = max((len(str(m.line)) for of_file in marks.values() for m in of_file), default=1)
+    digits = max((len(str(m.line)) for of_file in marks.values() for m in of_file), default=1)
     lines = []
     for file, of_file in marks.items():
         if file != d.span.file:
             first = of_file[0]
-            arrow = f"{' ' * width}-->"
+            arrow = f"{' ' * digits}-->"
             lines.append(f"  {arrow} {visible(file)}:{first.line}:{first.start + 1}")
-        lines += _excerpt(sources[file], of_file, width, tint)
+        lines += _excerpt(sources[file], of_file, digits, tint, width)
     return lines + elsewhere
 
 
@@ -135,23 +151,27 @@ def _marks(span: Span, source: Source, sign: str, text: str) -> list[Mark]:
     return [*marks[:-1], replace(marks[-1], text=text)]
 
 
-def _excerpt(source: Source, marks: list[Mark], width: int, tint: str) -> list[str]:
+def _excerpt(
+    source: Source, marks: list[Mark], digits: int, tint: str, width: int | None
+) -> list[str]:
     """Returns the marked lines of a file with the marks below them.
 
     Args:
-      width: of the line numbers.
+      digits: of the line numbers.
       tint: the colour of the marks of the mistake; "": no colours.
+      width: of the terminal, in columns.
     """
-    bar = " " * width + " |"
+    bar = " " * digits + " |"
+    room = WIDTH if width is None else max(width - len(f"  {bar} "), NARROWEST)
     lines = [f"  {bar}"]
     before = 0
     for line in sorted({mark.line for mark in marks}):
         if before and line > before + 1:
-            lines.append(f"  {'.' * max(width, 3)}")
+            lines.append(f"  {'.' * max(digits, 3)}")
         of_line = [mark for mark in marks if mark.line == line]
         of_line.sort(key=lambda mark: (mark.start, mark.sign == "-"))
-        content, columns = _cut(source.line(line), of_line)
-        lines.append(f"  {line:>{width}} | {content}".rstrip())
+        content, columns = _cut(source.line(line), of_line, room)
+        lines.append(f"  {line:>{digits}} | {content}".rstrip())
         for mark in of_line:
             start = columns[min(mark.start, len(columns) - 1)]
             end = columns[min(mark.end, len(columns) - 1)]
@@ -163,30 +183,56 @@ def _excerpt(source: Source, marks: list[Mark], width: int, tint: str) -> list[s
     return lines
 
 
-def _cut(line: str, marks: list[Mark]) -> tuple[str, list[int]]:
-    """Returns a line as shown, and the column of each of its characters and of its end.
+def _cut(line: str, marks: list[Mark], room: int) -> tuple[str, list[int]]:
+    """Returns a line as shown, at most `room` columns wide, and the column in which each of its
+    characters begins, and in which the line ends.
 
     Of a long line it shows the part around the marks.
     """
+    texts, columns = _in_columns(line)
+    if columns[-1] <= room:
+        return "".join(texts), columns
+    first = min(mark.start for mark in marks)
+    last = min(max(mark.end for mark in marks), len(line))
     begin = 0
+    if columns[last] > room - 1:  # the last column is for an ellipsis
+        begin = bisect_left(columns, min(columns[first] - BEFORE, columns[-1] - room + 1))
+    left = "…" if begin else ""
+    right_edge = columns[begin] + room - len(left)
     end = len(line)
-    if len(line) > WIDTH:
-        first = min(mark.start for mark in marks)
-        last = max(mark.end for mark in marks)
-        if last > WIDTH - 2:
-            begin = max(0, min(first - 20, len(line) - WIDTH + 2))
-        end = begin + WIDTH - 2
-    shown = "…" if begin else ""
-    columns = [0] * begin
-    for character in line[begin:end]:
-        columns.append(len(shown))
+    if columns[end] > right_edge:
+        end = bisect_right(columns, right_edge - 1) - 1
+    right = "…" if end < len(line) else ""
+    shift = len(left) - columns[begin]
+    shown_columns = [min(max(column, columns[begin]), columns[end]) + shift for column in columns]
+    return f"{left}{''.join(texts[begin:end])}{right}", shown_columns
+
+
+def _in_columns(line: str) -> tuple[list[str], list[int]]:
+    """Returns what is shown for each character of a line, and the columns in which the characters
+    and the end of the line are.
+
+    A tab goes on to the next multiple of `TAB`; East Asian wide characters and most emoji take two
+    columns, and marks that combine with the character before them take none.
+    """
+    texts = []
+    columns = [0]
+    for character in line:
+        column = columns[-1]
         if character == "\t":
-            shown += " " * (TAB - len(shown) % TAB)
+            text = " " * (TAB - column % TAB)
         else:
-            shown += visible(character)
-    if end < len(line):
-        shown += "…"
-    return shown, columns + [len(shown)] * (len(line) - end + 1)
+            text = _visible_character(character)
+        texts.append(text)
+        columns.append(column + sum(map(_columns_of, text)))
+    return texts, columns
+
+
+def _columns_of(character: str) -> int:
+    """Returns how many columns of a terminal a printable character takes."""
+    if unicodedata.combining(character) or unicodedata.category(character) in ("Mn", "Me"):
+        return 0
+    return 2 if unicodedata.east_asian_width(character) in "WF" else 1
 
 
 def visible(text: str) -> str:
