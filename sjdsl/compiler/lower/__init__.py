@@ -4,6 +4,26 @@
 
 Assumes a verified game; guarantees that every index stays in the padded frame and every draw has
 its stream.
+
+A statement of a game, which runs once for each member of the quantifiers around it (its
+*instances*), becomes array code for all instances at once:
+
+    each agent as zapper where zapper chose zap {          chose_zap = actions == ACTION_ZAP
+      each agent as victim in beam of zapper { ... }       victim_in_beam = chose_zap[:, None] & in_beam
+    }
+
+Words that all files here use:
+
+- axis: of a quantifier that loops, here `zapper` and `victim`. An array has the axes of the
+  quantifiers on which its value depends, in the order in which they were entered (`axes.Value`).
+- scope: what a statement sees of the quantifiers around it: their axes, their variables, and the
+  mask that says which instances happen (`scope.IterationScope`).
+- `w`: the writer of the function that is being generated. `w.keep(name, value)` writes
+  `name = value` into it and returns the value under that name; what is equal is written once.
+- frame: the map with padding around it. A cell of the frame is a number, row by row; cell 0 is no
+  cell of the map, and is where those stand who are away.
+- site: the number of a cell among all cells of a kind, which indexes the fields of that kind. It is
+  past the end for a cell of another kind, where writes are dropped.
 """
 
 import dataclasses

@@ -20,7 +20,7 @@ from sjdsl.compiler.lower.axes import (
 from sjdsl.compiler.lower.draws import bits_of_each
 from sjdsl.compiler.lower.expressions import agent
 from sjdsl.compiler.lower.free_cells import fitting_cells, free_cells
-from sjdsl.compiler.lower.per_agent import of_each, per_agent, put, to_each, turn, way_of_each
+from sjdsl.compiler.lower.per_agent import of_each, per_agent, put, scattered, turn, way_of_each
 from sjdsl.compiler.lower.pools import Pool, sends_of
 from sjdsl.compiler.lower.scope import IterationScope
 from sjdsl.compiler.lower.shifting import Shifted, settle, shifted
@@ -110,7 +110,7 @@ def _fitting(s: ir.Send, scope: IterationScope, w: Writer) -> Expression | None:
         if any(a in fits.axes for a in others):  # all who send the agent agree on its cells
             fits = reduce("any", scope.mask & fits, others)
         return w.keep_node("fitting", spread(fits, (who.axis, axis)), "bool")
-    return w.keep_node("fitting", to_each(who, fits, scope, w, (axis,)), "bool")
+    return w.keep_node("fitting", scattered(who, fits, scope, w, (axis,)), "bool")
 
 
 def _delays(s: ir.Send, delay: Value, scope: IterationScope, w: Writer) -> Expression:
