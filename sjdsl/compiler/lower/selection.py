@@ -278,5 +278,5 @@ def _candidates(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[Variabl
     who = w.keep(d.var.name, Value(reduction("argmax", standing, (-1,)), "i32", axes))
     anybody = w.keep("anybody", Value(reduction("any", standing, (-1,)), "bool", axes))
     if has_inner_blocks(w.module.shape(d.restriction.shape), w):
-        anybody = anybody & swept.ok
+        anybody = anybody & swept.is_reached
     return AgentVar(who, entity_type=d.var.entity_type), anybody

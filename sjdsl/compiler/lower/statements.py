@@ -136,7 +136,7 @@ def mark(s: ir.Mark, scope: IterationScope, w: Writer) -> None:
         raise NotSupported("`mark` around anything but an agent of an `each`", s.origin, instead)
     swept = sweep(ir.Near(shape=s.shape, anchor=s.anchor), scope, w)
     happens = reduce("any", scope.mask, without(scope.axes, swept.cells.axes))
-    cells = select(happens & swept.ok, swept.cells, nowhere(w))
+    cells = select(happens & swept.is_reached, swept.cells, nowhere(w))
     marked = w.keep_node("marked", reshaped(cells.node, -1), "i32")
     assert isinstance(marked, Name)
     w.marked[marked] = mark_size(s, w.module.game)
