@@ -417,7 +417,7 @@ def _is_one_of(value: Value, words: tuple[str, ...], e: ir.Expr, w: Writer) -> V
 
 
 def case(e: ir.Case, scope: IterationScope, w: Writer) -> Value:
-    """Returns `case subject { a: x, b: y, else z }`: nested selections, the last arm for what is left."""
+    """Returns `case w { red: a, otherwise: b }`: nested selections, the last arm for what is left."""
     name = condition_name(e.subject, w.module.game)
     subject = w.keep(name or "subject", lower(e.subject, scope, w))
     values = []

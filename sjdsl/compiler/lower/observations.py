@@ -1,4 +1,9 @@
-"""Lowers `observe`: paints the map once, cuts it into windows, and decodes observation planes."""
+"""Lowers `observe`: paints the map once, cuts it into windows, and decodes observation planes.
+
+The map is painted as bytes, the same for all observers (`painting.py`). Each observer's window is
+cut out of it. The parts of its bytes then become the planes that the observer is shown: what is
+hidden from it is taken out, and other agents are turned as it sees them.
+"""
 
 from dataclasses import replace
 from math import prod
@@ -62,12 +67,12 @@ from sjdsl.compiler.program.expressions import (
 
 
 def somebody_seen(planes: dict[str, Value], w: Writer) -> Value:
-    """Returns where an agent stands, the observer too."""
+    """Returns on which cells of the windows an agent stands, also the observer itself."""
     return w.keep("somebody", planes["agent"].ne(0))
 
 
 def without_hidden_marks(planes: dict[str, Value], axes: Axes, w: Writer) -> Value:
-    """Returns the marks that are seen as bits: none on the cells on which they are hidden."""
+    """Returns the marks of each cell as bits, without those that are hidden from the observer."""
     marks = planes["marks"]
     all_hidden = w.module.game.hidden
     by_kind = {look.kind.name: look for look in looks(w.module.game) if look.present}
@@ -89,7 +94,10 @@ def without_hidden_marks(planes: dict[str, Value], axes: Axes, w: Writer) -> Val
 
 
 def _is_hidden_on(look: Look, hidden: ir.Hidden, raw: Value, axes: Axes, w: Writer) -> Value:
-    """Returns which painted numbers are cells of a kind on which marks are hidden."""
+    """Returns on which cells of the windows a `hide marks on KIND when ...` hides them.
+
+    raw: the cells as painted.
+    """
     is_kind, values = look_fields(look, raw, w)
     if hidden.when is None:
         return is_kind
@@ -97,9 +105,9 @@ def _is_hidden_on(look: Look, hidden: ir.Hidden, raw: Value, axes: Axes, w: Writ
 
 
 def look_fields(look: Look, raw: Value, w: Writer) -> tuple[Value, dict[str, Value]]:
-    """Returns which painted numbers are of a kind, and the values of its painted fields.
+    """Returns which cells are of a kind, and the values of its painted fields by name.
 
-    Where another kind is, the values mean nothing.
+    Where another kind is, the values mean nothing. raw: the cells as painted.
     """
     name = look.kind.name
     first = first_look(look, w)
@@ -115,9 +123,11 @@ def look_fields(look: Look, raw: Value, w: Writer) -> tuple[Value, dict[str, Val
 
 
 def seen_cell(look: Look, name: str, values: dict[str, Value], axes: Axes) -> IterationScope:
-    """Returns the scope of a condition about the observer and a cell that it sees.
+    """Returns the scope of a condition on `agent`, the observer, and a cell that it sees.
 
-    values: of the painted fields, which need not be looked up.
+    Args:
+      name: of the cell in the condition.
+      values: its painted fields, which so need not be looked up.
     """
     painted = tuple(values.items())
     cell = CellVar(literal(0, "i32"), (look.kind.name,), painted=painted, seen=axes)
@@ -221,22 +231,23 @@ def _standing(plane: Value, name: str, entity_type: ir.EntityType, w: Writer) ->
 
 
 def _part_of(part: Part, parts: tuple[Part, ...], seen: Expression, axes: Axes, w: Writer) -> Value:
-    """Returns a part of a byte that was painted."""
+    """Returns the numbers of a part. seen: the windows of its plane."""
     shifted = Value(seen, "u8", axes) >> shift_of(part, w)
-    if sum(p.plane == part.plane for p in parts) == 1:
+    is_alone = all(other is part or other.plane != part.plane for other in parts)
+    if is_alone:
         return shifted
     return shifted & w.module.number(f"{part.name}_mask", 2**part.bits - 1)
 
 
 def _full(column: Value, axes: Axes) -> Expression:
-    """Returns a value broadcast to axes: a column over the window."""
+    """Returns a plane at the full length of all axes, as uint8."""
     if column.literal:
         column = replace(column, node=scalar(column.node, "u8"))
     return spread(column, axes)
 
 
 def _content(raw: Value, axes: Axes, w: Writer) -> Value:
-    """Returns the content as each observer is shown it."""
+    """Returns what is in each cell as each observer is shown it. raw: as it is painted."""
     game = w.module.game
     present = [look for look in looks(game) if look.present]
     if all(look.same and look.raw == look.final for look in present):
@@ -262,7 +273,7 @@ def _content(raw: Value, axes: Axes, w: Writer) -> Value:
 
 
 def _shifted(raw: Value, shift: int, kind: str, w: Writer) -> Value:
-    """Returns the numbers that are shown of a kind and those after it, from the painted ones."""
+    """Returns the painted numbers plus the shift that holds from a kind on."""
     if shift == 0:
         return raw
     if shift > 0:
@@ -273,7 +284,10 @@ def _shifted(raw: Value, shift: int, kind: str, w: Writer) -> Value:
 
 
 def _shown(look: Look, values: dict[str, Value], axes: Axes, w: Writer) -> Value:
-    """Returns the number of a kind's look for each observer, from its painted values."""
+    """Returns the number that each observer is shown for cells of a kind.
+
+    values: the kind's painted fields.
+    """
     name = look.kind.name
     place = seen_cell(look, name, values, axes)
     if look.labels:
@@ -292,7 +306,10 @@ def _shown(look: Look, values: dict[str, Value], axes: Axes, w: Writer) -> Value
 def _labelled(
     observable: ir.Observable, numbers: dict[str, int], place: IterationScope, w: Writer
 ) -> Value:
-    """Returns the number of the first label whose condition holds, else that of the last."""
+    """Returns the number of the first label whose condition holds, else that of the last.
+
+    numbers: label -> its number.
+    """
     arms = []
     for label in reversed(observable.labels):  # written in the order in which the selects nest
         if label.condition is not None:
@@ -322,7 +339,7 @@ def _observable(
 
 
 def _condition(test: ir.Expr, place: IterationScope, w: Writer) -> Value:
-    """Returns the condition of a label or a `hide`, which is where what is not supported is."""
+    """Returns a condition; what is not supported in it is reported there."""
     try:
         return w.value(test, place)
     except NotSupported as refused:
@@ -360,7 +377,7 @@ def _agents(agent: Value, axes: Axes, by_id: bool, w: Writer) -> list[Value]:
 def _headings(
     heading: ir.Observable, standing: AgentVar, place: IterationScope, w: Writer
 ) -> Expression:
-    """Returns the numbers of others by their headings, or of others whose heading is hidden."""
+    """Returns the numbers of others in the plane of agents: by heading, unless that is hidden."""
     difference = HEADING[standing.number.node] - HEADING[:, None]
     numbers = Cast(relative_heading(difference, OTHER_FACING), "u8")
     if heading.hidden_when is None:
@@ -376,7 +393,7 @@ def _shown_of(what: str, w: Writer) -> list[ir.Observable]:
 
 
 def _one_up(observable: ir.Observable, value: Value) -> Value:
-    """Returns a word's number one up, since 0 says that nobody is there; numbers stay."""
+    """Returns an enum value's number plus 1, as 0 says that nobody is there; numbers stay."""
     if observable.labels or observable.type.kind == "word":
         return value + 1
     return value
@@ -387,7 +404,8 @@ def _visible(
 ) -> Value:
     """Returns what is seen of somebody; 0 where nobody is.
 
-    Where the rules do not show it, it is 0, or the word `hidden` if it is shown under a condition.
+    Where it is hidden it is 0; where a condition for showing it doesn't hold, it is the enum value
+    `hidden`, which comes last, or 0 if it is a number.
     """
     hidden_when = observable.hidden_when
     if observable.shown_when is None:
@@ -422,7 +440,10 @@ def _agent_plane(
 def _field_observable(
     observable: ir.Observable, body: AgentVar | None, place: IterationScope, w: Writer
 ) -> Value:
-    """Returns the value of a shown field as a byte. body: whose it is, None for the world's."""
+    """Returns what is shown, as a byte: a label, an attribute, a `define` or a field.
+
+    body: whose it is, None for the world's.
+    """
     if observable.labels:
         names = dict.fromkeys(label.name for label in observable.labels)
         return _labelled(observable, {name: number for number, name in enumerate(names)}, place, w)

@@ -1,4 +1,8 @@
-"""Paints the map as observers see it: numbers in cells, packed into as few bytes as fit."""
+"""Paints the map as observers see it: numbers in cells, packed into as few bytes as fit.
+
+A painted plane has a byte for each cell of the frame. Its bits are divided into parts: what is in
+the cell, which agent stands on it, which mover, and which marks it has.
+"""
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
@@ -12,7 +16,7 @@ from sjdsl.compiler.program.expressions import Arange, Cast, Name, call, path, s
 
 
 class Part(Record):
-    """Some bits of a painted byte."""
+    """Some bits of a painted byte. plane: which of the painted planes. shift: its lowest bit."""
 
     name: str
     plane: int
@@ -21,9 +25,9 @@ class Part(Record):
 
 
 def parts_of(game: ir.Game, by_id: bool) -> tuple[Part, ...]:
-    """Returns where content, agents, movers and marks are kept, in as few bytes as they fit.
+    """Returns the parts for content, agents, movers and marks, in as few planes as they fit.
 
-    by_id: whether agents are told apart by their numbers, not by their headings alone.
+    by_id: whether an agent is painted as its number, not only as its heading.
     """
     num_contents = max(look.raw + look.raw_values for look in looks(game))
     agent_bits = _bits(game.agents.number + 1) if by_id else 3
@@ -49,7 +53,10 @@ def parts_of(game: ir.Game, by_id: bool) -> tuple[Part, ...]:
 
 
 def shown_movers(movers: ir.Movers, game: ir.Game) -> int:
-    """Returns how many movers are told apart: 1 if only their presence is seen, 0 if nothing."""
+    """Returns how many different numbers movers of a name are painted with.
+
+    All have their own if something of theirs is seen; 1 if only where they are is; 0 if nothing is.
+    """
     shown = [s for s in game.observables if s.what == "mover" and s.kind == movers.name]
     if not shown:
         return 0
@@ -63,6 +70,7 @@ def shown_movers(movers: ir.Movers, game: ir.Game) -> int:
 
 
 def _bits(values: int) -> int:
+    """Returns how many bits can hold so many different values."""
     return max(1, (values - 1).bit_length())
 
 
@@ -73,14 +81,14 @@ def _reads_mover(condition: ir.Expr) -> bool:
 
 
 def shift_of(part: Part, w: Writer) -> Value:
-    """Returns the place of a part's lowest bit."""
+    """Returns the place of a part's lowest bit, as a named constant of the module."""
     if not part.shift:
         return literal(0, "u8")
     return Value(w.module.number(f"{part.name}_shift", part.shift), "u8")
 
 
 def paint_planes(parts: tuple[Part, ...], by_id: bool, w: Writer) -> list[Name]:
-    """Writes the planes of bytes with all that is seen of the cells of the map."""
+    """Writes the planes of bytes with all that is seen of the cells of the map; returns their names."""
     layout = w.module.layout
     by_name = {part.name: part for part in parts}
     content = by_name["content"]
