@@ -106,9 +106,9 @@ PHASE = (
 STAY = Name("STAY")
 
 
-def new_module(game: ir.Game) -> Module:
-    """Returns an empty module of a game, to write functions of."""
-    return Module(game, Layout(game), expressions.lower)
+def new_module(game: ir.Game, sources: Mapping[str, Source] | None = None) -> Module:
+    """Returns an empty module of a game, to write functions of. sources: as of `lower`."""
+    return Module(game, Layout(game), expressions.lower, sources or {})
 
 
 def lower(game: ir.Game, source: str, sources: Mapping[str, Source] | None = None) -> Program:
@@ -121,7 +121,7 @@ def lower(game: ir.Game, source: str, sources: Mapping[str, Source] | None = Non
     Raises:
       NotSupported: with a place, for what the program can't express exactly.
     """
-    module = Module(game, Layout(game), expressions.lower, sources or {})
+    module = new_module(game, sources)
     try:
         return _program(game, source, module)
     except NotSupported as refused:
@@ -338,7 +338,7 @@ def _step(turns: list[Turn], module: Module) -> Function:
 
 def _shown_counts(w: Writer) -> dict[str, Expression]:
     """Returns the counts of the step by the attribute of State that agents see."""
-    game = w.module.game
+    game = w.game
     counts: dict[str, Expression] = {}
     shown = {(event.name, event.per_agent) for event in game.events if event.shown}
     for field in (*game.agents.fields, *game.fields):
@@ -373,7 +373,7 @@ def _phase(phase: ir.Phase, pools: tuple[Pool, ...], module: Module) -> Function
 def _all_marks(phase: ir.Phase, w: Writer) -> Expression:
     """Returns the cells that a phase marks, with zeros for statements that never happen."""
     parts: list[Expression] = list(w.marked)
-    missing = mark_size(phase, w.module.game) - sum(w.marked.values())
+    missing = mark_size(phase, w.game) - sum(w.marked.values())
     if missing:
         parts.append(zeros("i32", missing))
     if len(parts) == 1:

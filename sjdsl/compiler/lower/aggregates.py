@@ -260,7 +260,7 @@ def _near(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
             if isinstance(node, ir.Member | ir.Local) and node.name != d.var.name:
                 return None
     shape = w.module.shape(d.restriction.shape)
-    masks = w.module.layout.near_table(anchor.kinds, shape, d.var.kinds)
+    masks = w.layout.near_table(anchor.kinds, shape, d.var.kinds)
     name = f"near_{shape_name(d.restriction.shape)}_{'_'.join(d.var.kinds)}"
     table = w.module.constant(name, masks, f"neighbours of each cell in {shape.name}, as bits")
     axis = w.axis(d.var.name, w.module.num_cells(d.var.kinds))

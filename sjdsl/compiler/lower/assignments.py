@@ -308,7 +308,7 @@ def targets(target: ir.Expr, scope: IterationScope, w: Writer) -> list[Target]:
     who = None if read.owner is None else owner(read.owner, scope, w)
     if not isinstance(who, CellVar) or len(who.kinds) == 1:
         return [Target(w.module.field(read), who, keys, read, scope)]
-    layout = w.module.layout
+    layout = w.layout
     on_map = [kind for kind in who.kinds if layout.num_cells((kind,))]
     if len(on_map) > 1:  # the mask once for all kinds
         scope = replace(scope, mask=w.keep("active", scope.mask))
@@ -578,7 +578,7 @@ def _folded(
 def finish(w: Writer) -> None:
     """Writes what the `add`s of a phase have collected: sums, clipped if capped, and unions of sets."""
     for attribute, sums in w.added.items():
-        declared = next(f for f in all_fields(w.module.game) if attribute_name(f) == attribute)
+        declared = next(f for f in all_fields(w.game) if attribute_name(f) == attribute)
         stored_dtype = state_reads.storage(declared, w)
         dtype: DType = "i32" if declared.type.kind == "int" else "f32"
         node = as_dtype(Value(w.current(attribute), stored_dtype), dtype).node

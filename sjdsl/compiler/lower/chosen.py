@@ -26,7 +26,7 @@ def action_of(agent: ir.Expr, scope: IterationScope) -> Value:
 
 def chose_with(e: ir.ChoseWith, scope: IterationScope, w: Writer) -> Value:
     """Returns whether an agent chose an action with these arguments, or with any."""
-    action = action_named(w.module.game, e.action)
+    action = action_named(w.game, e.action)
     chosen_action = action_of(e.agent, scope)
     if e.given:
         number, exists = action_number(action, e.given, scope, w)
@@ -92,7 +92,7 @@ def argument_of(e: ir.ArgumentOf, scope: IterationScope, w: Writer) -> Value:
 
     If it chose another action, the value means nothing, and no rule reads it.
     """
-    action = action_named(w.module.game, e.action)
+    action = action_named(w.game, e.action)
     first = Value(w.module.first_action(action), "i32")
     argument = action.arguments[e.number]
     # The number within the action counts its arguments up, the last one fastest.

@@ -12,6 +12,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
+    TRUE,
     Axis,
     Value,
     axes_of,
@@ -47,11 +48,13 @@ class Swept(Record):
     """The cells of a shape around an anchor.
 
     cells: in the frame, along the last axis. is_reached: which of them are on the map, and not
-      behind a cell that blocks the shape.
+      behind a cell that blocks the shape. unblocked: the same, but TRUE if nothing on this map
+      blocks it: enough for cells on which something is, as that is on the map.
     """
 
     cells: Value
     is_reached: Value
+    unblocked: Value
 
 
 def enter(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
@@ -80,7 +83,7 @@ def is_empty(d: ir.Domain, w: Writer) -> bool:
 
     Tables of such cells have no entries.
     """
-    num_cells = w.module.layout.num_cells
+    num_cells = w.layout.num_cells
     if d.on is not None and not num_cells(d.on.kinds):
         return True
     return d.var.entity_type.what == "cell" and not num_cells(d.var.kinds)
@@ -222,16 +225,13 @@ def sites_in(
         return site, state_reads.is_site(site, kinds, w)
     swept = sweep(near, scope, w)
     site = w.keep(_site_name(near, kinds), state_reads.site_at(swept.cells, kinds, w))
-    exists = state_reads.is_site(site, kinds, w)
-    if has_inner_blocks(shape, w):
-        exists = exists & swept.is_reached
-    return site, exists
+    return site, state_reads.is_site(site, kinds, w) & swept.unblocked
 
 
 def neighbours_constant(near: ir.Near, anchor: CellVar, kinds: tuple[str, ...], w: Writer) -> Name:
     """Returns the table of a shape's cells around each cell, by number among `kinds`."""
     shape = w.module.shape(near.shape)
-    table = w.module.layout.neighbours_table(anchor.kinds, shape, kinds)
+    table = w.layout.neighbours_table(anchor.kinds, shape, kinds)
     comment = f"cells of {', '.join(kinds)} in {shape.name} of each cell; past the end: none"
     return w.module.constant(_site_name(near, kinds), table, comment)
 
@@ -244,7 +244,7 @@ def has_inner_blocks(shape: ir.Shape, w: Writer) -> bool:
     """Returns whether a cell of the map may end a lane of the shape before the lane's last cell."""
     if shape.see_through or not any(len(lane) > 1 for lane in shape.lanes):
         return False
-    layout = w.module.layout
+    layout = w.layout
     return _has_changing_blocks(shape, w) or layout.count(layout.blocking_glyphs(shape.name)) > 0
 
 
@@ -255,7 +255,7 @@ def shape_name(shape: str) -> str:
 
 def _has_changing_blocks(shape: ir.Shape, w: Writer) -> bool:
     """Returns whether agents, or cells under a condition, may end a lane of the shape."""
-    by_agents = any(b.what == shape.name for b in w.module.game.agents.blocks)
+    by_agents = any(b.what == shape.name for b in w.game.agents.blocks)
     return by_agents or bool(conditional_blocks(shape.name, w))
 
 
@@ -268,7 +268,7 @@ def sweep(near: ir.Near, scope: IterationScope, w: Writer) -> Swept:
     """
     anchor = scope.variables[near.anchor.name]
     shape = w.module.shape(near.shape)
-    offsets = w.module.layout.offsets_table(shape)
+    offsets = w.layout.offsets_table(shape)
     prefix = shape_name(near.shape)  # of names in generated code
     comment = f"cells of {shape.name} from an agent's cell, for each heading"
     table = w.module.constant(f"{prefix}_offsets", offsets, comment)
@@ -288,12 +288,13 @@ def sweep(near: ir.Near, scope: IterationScope, w: Writer) -> Swept:
         steps = Value(table[heading.node], "i32", (*location.axes, axis))
     cells = w.keep(f"{prefix}_cells", _cells_around(location, steps, w))
     is_reached = _reached(shape, location, heading, cells, w)
-    if all(other.order < axis.order for other in scope.axes):
-        return Swept(cells, is_reached)
-    # The shape was first swept outside of a quantifier of this scope. Axes are in the order of
-    # quantifiers, so it gets another axis.
-    renamed = replace(w.axis(prefix, axis.size), constant=axis.constant)
-    return Swept(_with_axis(cells, axis, renamed), _with_axis(is_reached, axis, renamed))
+    if any(other.order >= axis.order for other in scope.axes):
+        # The shape was first swept outside of a quantifier of this scope, or by it. Axes are in the
+        # order of quantifiers, so it gets another axis.
+        renamed = replace(w.axis(prefix, axis.size), constant=axis.constant)
+        cells = _with_axis(cells, axis, renamed)
+        is_reached = _with_axis(is_reached, axis, renamed)
+    return Swept(cells, is_reached, is_reached if has_inner_blocks(shape, w) else TRUE)
 
 
 def _with_axis(value: Value, axis: Axis, renamed: Axis) -> Value:
@@ -335,7 +336,7 @@ def _reached(shape: ir.Shape, location: Value, heading: Value, cells: Value, w: 
         raise NotSupported(feature, shape.origin, "make it smaller, or let nothing block it")
     dtype: DType = "u8" if axis.size <= 8 else "u32"
     comment = f"cells of {shape.name} not behind what blocks it: bits by cell and heading"
-    table = w.module.constant(f"{prefix}_reach", w.module.layout.reach_table(shape), comment)
+    table = w.module.constant(f"{prefix}_reach", w.layout.reach_table(shape), comment)
     bits = w.keep(f"{prefix}_bits", looked_up(table, location * 4 + heading, dtype))
     reached = call("from_bits", bits.node, axis.extent)
     return w.keep(f"{prefix}_reached", Value(reached, "bool", (*location.axes, axis)))
@@ -343,14 +344,14 @@ def _reached(shape: ir.Shape, location: Value, heading: Value, cells: Value, w: 
 
 def is_inside(cells: Value, w: Writer) -> Value:
     """Returns which cells of the frame are on the map."""
-    table = w.module.layout.inside_table
+    table = w.layout.inside_table
     inside = w.module.constant("inside", table, "cells of the map in the frame")
     return looked_up(inside, cells, "bool")
 
 
 def always_block(cells: Value, name: str, w: Writer) -> Value:
     """Returns which cells always block agents, movers of a name, or a shape."""
-    table = w.module.layout.blocking_table(name)
+    table = w.layout.blocking_table(name)
     fixed = w.module.constant(f"blocks_{name}", table, f"cells that always block {name}")
     return looked_up(fixed, cells, "bool")
 
@@ -361,7 +362,7 @@ def _reached_past_changing(shape: ir.Shape, on_map: Value, cells: Value, w: Writ
     blocked = always_block(cells, name, w)
     for block, kind in conditional_blocks(name, w):
         blocked = blocked | blocked_by(block, kind, cells, w)
-    for block in w.module.game.agents.blocks:
+    for block in w.game.agents.blocks:
         if block.what == name:
             blocked = blocked | _agents_block(block, cells, w)
     blocked = w.keep(f"{name}_blocked", blocked)
@@ -387,8 +388,8 @@ def conditional_blocks(name: str, w: Writer) -> list[tuple[ir.Block, ir.Kind]]:
     name: what is blocked: "agents", movers in the plural, or a shape.
     """
     pairs = []
-    for kind in w.module.game.kinds:
-        if w.module.layout.num_cells((kind.name,)):
+    for kind in w.game.kinds:
+        if w.layout.num_cells((kind.name,)):
             for block in kind.blocks:
                 if block.what == name and block.condition is not None:
                     pairs.append((block, kind))
@@ -428,8 +429,8 @@ def agents_in(near: ir.Near, variable: AgentVar, scope: IterationScope, w: Write
     if variable.axis not in cells.axes:
         axes = (*axes, variable.axis)
     standing = stand_on(cells, state_reads.position(variable, w).node)
-    if has_inner_blocks(w.module.shape(near.shape), w):
-        standing = standing & swept.is_reached.node[*[ALL] * len(cells.axes), None]
+    if swept.unblocked != TRUE:
+        standing = standing & swept.unblocked.node[*[ALL] * len(cells.axes), None]
     inside = Value(reduction("any", standing, (len(cells.axes) - 1,)), "bool", axes)
     return w.keep(f"in_{shape_name(near.shape)}", inside)
 

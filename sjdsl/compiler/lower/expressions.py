@@ -290,7 +290,7 @@ def distance(e: ir.Distance, scope: IterationScope, w: Writer) -> Value:
                 return state_reads.seen_steps(w, *cell.seen)
     rows = _in_frame(a, "row", w) - _in_frame(b, "row", w)
     cols = _in_frame(a, "col", w) - _in_frame(b, "col", w)
-    layout = w.module.layout
+    layout = w.layout
     if layout.wraps:
         rows = called("shorter_way", rows, layout.height)
         cols = called("shorter_way", cols, layout.width)
@@ -306,7 +306,7 @@ def bearing(e: ir.Bearing, scope: IterationScope, w: Writer) -> Value:
     b = owner(e.right, scope, w)
     row_of_a, row_of_b = (_in_frame(variable, "row", w) for variable in (a, b))
     col_of_a, col_of_b = (_in_frame(variable, "col", w) for variable in (a, b))
-    layout = w.module.layout
+    layout = w.layout
     steps_to = [  # the north, east, south and west
         (row_of_a - row_of_b, layout.height),
         (col_of_b - col_of_a, layout.width),
@@ -418,7 +418,7 @@ def _is_one_of(value: Value, words: tuple[str, ...], e: ir.Expr, w: Writer) -> V
 
 def case(e: ir.Case, scope: IterationScope, w: Writer) -> Value:
     """Returns `case w { red: a, otherwise: b }`: nested selections, the last arm for what is left."""
-    name = condition_name(e.subject, w.module.game)
+    name = condition_name(e.subject, w.game)
     subject = w.keep(name or "subject", lower(e.subject, scope, w))
     values = []
     for arm in e.arms:

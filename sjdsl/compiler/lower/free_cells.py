@@ -81,7 +81,7 @@ def _sites_of_others(pool: Pool, leaving: Expression | None, w: Writer) -> Expre
     Those of the type that is sent come first.
     """
     sites: list[Expression] = []
-    others = [other for other in body_types(w.module.game) if other != pool.entity_type]
+    others = [other for other in body_types(w.game) if other != pool.entity_type]
     for entity_type in (pool.entity_type, *others):
         site, _ = state_reads.site_under(state_reads.everybody(w, entity_type), pool.kinds, w)
         if leaving is None or entity_type != pool.entity_type:

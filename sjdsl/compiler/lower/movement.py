@@ -43,7 +43,7 @@ NO_STEP = 4  # the direction of an action that is no step
 
 def move(s: ir.Move, scope: IterationScope, w: Writer) -> None:
     """Writes `move each agent`: they turn and step as their actions say."""
-    game = w.module.game
+    game = w.game
     inner = enter(s.domain, scope, w)
     actions = game.agents.actions
     turns = [TURNS.get(action, 0) for action in actions]
@@ -51,7 +51,7 @@ def move(s: ir.Move, scope: IterationScope, w: Writer) -> None:
     turn = w.module.constant("turn", turns, "quarter turns to the right by action", "i32")
     step = w.module.constant("step_by", steps, "direction of a step by action; 4: none", "i32")
     comment = "where a step leads, by cell and direction; the cell itself if blocked"
-    table = w.module.constant("next_cell", w.module.layout.next_table(), comment)
+    table = w.module.constant("next_cell", w.layout.next_table(), comment)
     chosen: Expression = Name("actions")
     if inner.mask != TRUE:
         stay = Literal(actions.index("stay"), "STAY")
@@ -81,7 +81,7 @@ def settle(s: ir.Move, entity_type: ir.EntityType, target: Name, w: Writer) -> N
     """
     position = state_reads.positions(w, entity_type)
     attribute = attribute_of("position", entity_type)
-    if w.module.game.movers:  # those of other types stay, and so do all who want a cell of theirs
+    if w.game.movers:  # those of other types stay, and so do all who want a cell of theirs
         taken = call("is_one_of", target, state_reads.all_positions(w, but=entity_type))
         w.set(target, Where(taken, position, target))
     bits = bits_of_each(s.stream, entity_type, w)
@@ -143,7 +143,7 @@ def _next_table(entity_type: ir.EntityType, w: Writer) -> Name:
     comment = (
         f"where a step leads {entity_type.name}, by cell and direction; the cell itself if blocked"
     )
-    table = w.module.layout.next_table(entity_type.name)
+    table = w.layout.next_table(entity_type.name)
     return w.module.constant(f"next_cell_of_{entity_type.name}", table, comment)
 
 
@@ -199,7 +199,7 @@ def _better(
     if is_empty(goal, w):
         return zeros("bool", axis.extent, 4)
     cells, is_member = _members(goal, scope, axis, w)
-    layout = w.module.layout
+    layout = w.layout
     positions = state_reads.positions(w, mover.entity_type)
     around = {"around": (layout.height, layout.width)} if layout.wraps else {}
     gained = call("gains", positions, cells, is_member, w.module.frame_cols, **around)

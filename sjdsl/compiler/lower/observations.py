@@ -74,8 +74,8 @@ def somebody_seen(planes: dict[str, Value], w: Writer) -> Value:
 def without_hidden_marks(planes: dict[str, Value], axes: Axes, w: Writer) -> Value:
     """Returns the marks of each cell as bits, without those that are hidden from the observer."""
     marks = planes["marks"]
-    all_hidden = w.module.game.hidden
-    by_kind = {look.kind.name: look for look in looks(w.module.game) if look.present}
+    all_hidden = w.game.hidden
+    by_kind = {look.kind.name: look for look in looks(w.game) if look.present}
     raw = planes["content"]
     if any(hidden.on == "cells" for hidden in all_hidden):
         raw = w.keep("raw", raw)
@@ -136,7 +136,7 @@ def seen_cell(look: Look, name: str, values: dict[str, Value], axes: Axes) -> It
 
 def observe(w: Writer) -> Expression:
     """Writes the statements of `observe`; returns the observation."""
-    game = w.module.game
+    game = w.game
     heading = seen_heading(game)
     is_sometimes_hidden = heading is not None and heading.hidden_when is not None
     by_id = is_sometimes_hidden or any(s.what == "other" for s in game.observables)
@@ -170,12 +170,12 @@ def _cut_windows(painted: list[Name], w: Writer) -> list[Name]:
     """Writes the windows of all observers, of each painted plane."""
     sides = []
     for side in ("ahead", "behind", "left", "right"):
-        cells = getattr(w.module.game.window, side)
+        cells = getattr(w.game.window, side)
         sides.append((side, w.module.number(side, cells, "cells of a window")))
     seen = []
     for number, plane in enumerate(painted):
         frame: Expression = reshaped(plane, Name("FRAME"))
-        if w.module.layout.wraps:
+        if w.layout.wraps:
             frame = call("joined_edges", frame, Name("PAD"))
         windows = Call(Name("windows"), (frame, POSITION, HEADING), tuple(sides))
         seen.append(w.bind(f"seen_{number}", windows))
@@ -187,14 +187,14 @@ def _own_windows(seen: list[Name], axes: Axes, w: Writer) -> list[Name]:
 
     Beyond it everything is as off the map.
     """
-    views = w.module.game.window.views
+    views = w.game.window.views
     if not views:
         return seen
     place = scope_of_agents(axes[:1])
     inside = TRUE  # replaced by the last view, which has no condition
     for number, view in reversed(list(enumerate(views))):
         w.origin = view.origin
-        table = w.module.layout.view_cells_table(view)
+        table = w.layout.view_cells_table(view)
         mask = w.module.constant(f"view_{number}", table, "cells of one of the windows")
         cells = Value(mask, "bool", axes[1:])
         if view.condition is None:
@@ -211,11 +211,11 @@ def _own_windows(seen: list[Name], axes: Axes, w: Writer) -> list[Name]:
 
 def _myself(w: Writer) -> Expression:
     """Returns which cell of its window is the observer's own."""
-    if w.module.layout.shows_cells_twice:
+    if w.layout.shows_cells_twice:
         comment = "which cells of its window show the observer's own"
-        table = w.module.constant("myself", w.module.layout.own_cells_table, comment)
+        table = w.module.constant("myself", w.layout.own_cells_table, comment)
         return table[HEADING]
-    game = w.module.game
+    game = w.game
     own_cell = call("own_cell", *view_size(game), game.window.ahead, game.window.left)
     comment = "which cell of its window is the observer's own"
     return w.module.constant("myself", own_cell, comment)[None]
@@ -248,7 +248,7 @@ def _full(column: Value, axes: Axes) -> Expression:
 
 def _content(raw: Value, axes: Axes, w: Writer) -> Value:
     """Returns what is in each cell as each observer is shown it. raw: as it is painted."""
-    game = w.module.game
+    game = w.game
     present = [look for look in looks(game) if look.present]
     if all(look.same and look.raw == look.final for look in present):
         return raw
@@ -352,9 +352,9 @@ def _agents(agent: Value, axes: Axes, by_id: bool, w: Writer) -> list[Value]:
     is_self = _myself(w)
     agent = w.keep("agent", agent)
     somebody = agent.ne(0).node
-    if w.module.layout.shows_cells_twice:  # the observer's own cell is seen only inside its window
+    if w.layout.shows_cells_twice:  # the observer's own cell is seen only inside its window
         is_self = is_self & somebody
-    heading = seen_heading(w.module.game)
+    heading = seen_heading(w.game)
     if not by_id and heading is None:
         return [_agent_plane(is_self, somebody, Literal(OTHER_FACING), axes, w)]
     if not by_id:
@@ -382,14 +382,14 @@ def _headings(
     numbers = Cast(relative_heading(difference, OTHER_FACING), "u8")
     if heading.hidden_when is None:
         return numbers
-    faceless = len(agent_labels(w.module.game)) - 1
+    faceless = len(agent_labels(w.game)) - 1
     is_hidden = _condition(heading.hidden_when, place, w)
     return select(is_hidden, faceless, Value(numbers, "u8", place.axes)).node
 
 
 def _shown_of(what: str, w: Writer) -> list[ir.Observable]:
     """Returns what is shown of others, of movers, of everyone, of the observer or of the world."""
-    return [observable for observable in w.module.game.observables if observable.what == what]
+    return [observable for observable in w.game.observables if observable.what == what]
 
 
 def _one_up(observable: ir.Observable, value: Value) -> Value:
@@ -451,7 +451,7 @@ def _field_observable(
         return _attribute_observable(observable, place, w)
     if observable.value is not None:
         return as_dtype(w.value(observable.value, place), "u8")
-    declared = shown_field(w.module.game, observable)
+    declared = shown_field(w.game, observable)
     read = ir.FieldRead(
         type=declared.type, owner=None, held_by=declared.held_by, name=observable.field
     )

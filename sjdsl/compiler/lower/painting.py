@@ -89,10 +89,10 @@ def shift_of(part: Part, w: Writer) -> Value:
 
 def paint_planes(parts: tuple[Part, ...], by_id: bool, w: Writer) -> list[Name]:
     """Writes the planes of bytes with all that is seen of the cells of the map; returns their names."""
-    layout = w.module.layout
+    layout = w.layout
     by_name = {part.name: part for part in parts}
     content = by_name["content"]
-    numbers = {look.kind.name: look.raw << content.shift for look in looks(w.module.game)}
+    numbers = {look.kind.name: look.raw << content.shift for look in looks(w.game)}
     comment = "looks of the cells of the frame, fields aside"
     base = w.module.constant("base", layout.base_table(numbers), comment)
     frame_cells = w.module.number("frame_cells", layout.rows * layout.cols)
@@ -101,13 +101,13 @@ def paint_planes(parts: tuple[Part, ...], by_id: bool, w: Writer) -> list[Name]:
     for number in range(1 + max(part.plane for part in parts)):
         planes.append(w.bind(f"plane_{number}", base if number == content.plane else empty))
     _paint_fields(planes[content.plane], content, w)
-    for number, phase in enumerate(seen_marks(w.module.game)):
+    for number, phase in enumerate(seen_marks(w.game)):
         marks = by_name["marks"]
         plane = planes[marks.plane]
         w.origin = phase.origin
         bit = w.module.number(f"mark_{phase.name}_bit", 1 << marks.shift + number)
         w.set(plane, call("paint", plane, path(f"state.mark_{phase.name}"), bit))
-    for entity_type in body_types(w.module.game):
+    for entity_type in body_types(w.game):
         if entity_type.name in by_name:
             part = by_name[entity_type.name]
             _paint_bodies(planes[part.plane], part, entity_type, by_id, w)
@@ -121,9 +121,9 @@ def first_look(look: Look, w: Writer) -> Value:
 
 def _paint_fields(plane: Name, content: Part, w: Writer) -> None:
     """Writes the looks of cells of which fields are seen."""
-    for look in looks(w.module.game):
+    for look in looks(w.game):
         kinds = (look.kind.name,)
-        if not look.painted or not w.module.layout.num_cells(kinds):
+        if not look.painted or not w.layout.num_cells(kinds):
             continue
         cells = state_reads.cells_of(kinds, w)
         w.origin = look.kind.origin
@@ -143,7 +143,7 @@ def _paint_bodies(
     plane: Name, part: Part, entity_type: ir.EntityType, by_id: bool, w: Writer
 ) -> None:
     """Writes where agents or movers are: their number, their heading, or 1."""
-    game = w.module.game
+    game = w.game
     is_agent = entity_type.what == "agent"
     extent = w.module.extent(entity_type)
     w.origin = game.agents.origin if is_agent else movers_named(game, entity_type.name).origin

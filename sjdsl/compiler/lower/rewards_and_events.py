@@ -62,7 +62,7 @@ def give(s: ir.Give, scope: IterationScope, w: Writer) -> None:
 
 def tally(s: ir.Tally, scope: IterationScope, w: Writer) -> None:
     """Writes `tally event[key] for receiver`: adds to the counts of this step."""
-    event = event_named(w.module.game, s.event)
+    event = event_named(w.game, s.event)
     attribute = f"event_{param_attribute(s.event)}"
     amount = literal(1, "i32")
     if s.amount is not None:

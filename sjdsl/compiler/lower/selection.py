@@ -33,7 +33,6 @@ from sjdsl.compiler.lower.axes import (
 )
 from sjdsl.compiler.lower.domains import (
     enter,
-    has_inner_blocks,
     is_empty,
     number_in,
     sites_in,
@@ -297,6 +296,4 @@ def _on_cells(
     axes = swept.cells.axes
     who = w.keep(d.var.name, Value(reduction("argmax", standing, (-1,)), "i32", axes))
     anybody = w.keep("anybody", Value(reduction("any", standing, (-1,)), "bool", axes))
-    if has_inner_blocks(w.module.shape(near.shape), w):
-        anybody = anybody & swept.is_reached
-    return AgentVar(who, entity_type=d.var.entity_type), anybody
+    return AgentVar(who, entity_type=d.var.entity_type), anybody & swept.unblocked

@@ -100,7 +100,7 @@ def shifted(s: ir.Shift, scope: IterationScope, w: Writer) -> Shifted:
 
 def _stride(heading: Value, w: Writer) -> Value:
     """Returns what to add to a cell of the frame for the next one in a direction."""
-    cols = w.module.layout.cols
+    cols = w.layout.cols
     strides = [row * cols + col for row, col in DIRECTIONS]
     table = w.module.constant("stride", strides, "to the next cell, by heading", "i32")
     return w.keep("stride", looked_up(table, heading, "i32"))
@@ -108,7 +108,7 @@ def _stride(heading: Value, w: Writer) -> Value:
 
 def _cells_on(course: _Course, number: Value, w: Writer) -> Value:
     """Returns the cells that many steps along a course; beyond the map too, unless it wraps."""
-    layout = w.module.layout
+    layout = w.layout
     if not layout.wraps:
         return course.start + course.stride * number
     heading = replace(course.heading, node=as_array(course.heading.node, "i32"))
@@ -135,7 +135,7 @@ def _toward(goal: Value, who: AgentVar, position: Value, w: Writer) -> tuple[Val
     it looks. On a wrapping map it goes the shorter way round; of two equal ways the one in which it
     looks, and if it looks across them, it can't go. Nor can it if the cell is its own.
     """
-    layout = w.module.layout
+    layout = w.layout
     frame_cols = w.module.frame_cols
     rows = w.keep("rows", goal // frame_cols - position // frame_cols)
     cols = w.keep("columns", goal % frame_cols - position % frame_cols)
@@ -192,7 +192,7 @@ def _is_free(number_of: ir.Type, who: AgentVar, course: _Course, steps: Value, w
 def _is_open(cells: Value, who: AgentVar, w: Writer) -> Value:
     """Returns which cells of the frame are on the map and do not block the agent or mover."""
     name = who.entity_type.plural
-    layout = w.module.layout
+    layout = w.layout
     is_open = is_inside(cells, w)
     if layout.count(layout.blocking_glyphs(name)):
         is_open = is_open & ~always_block(cells, name, w)
@@ -207,7 +207,7 @@ def settle(moves: list[Shifted], w: Writer) -> None:
     Movers go first, one name after the other, then agents. Each group finds the groups before it on
     their new cells, as those whom `send ... to KIND` has placed.
     """
-    agents, *movers = body_types(w.module.game)
+    agents, *movers = body_types(w.game)
     for entity_type in (*movers, agents):
         moves_of_type = [move for move in moves if body_type(move.statement.who) == entity_type]
         if moves_of_type:
@@ -230,7 +230,7 @@ def _settle_type(entity_type: ir.EntityType, moves: list[Shifted], w: Writer) ->
         bits = bits_of_each(move.statement.stream, entity_type, w)
         targets = Where(move.who, move.target, targets)
         ranks = bits if len(moves) == 1 else Where(move.who, bits, ranks)
-    for other in body_types(w.module.game):
+    for other in body_types(w.game):
         if other != entity_type:
             taken = call("is_one_of", targets, w.current(attribute_of("position", other)))
             targets = Where(taken, before, targets)

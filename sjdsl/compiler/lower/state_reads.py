@@ -62,7 +62,7 @@ def _looked_up(owner: Variable, stored: Value, w: Writer) -> Value:
     """Returns what `_entries_of` does; for many computed cells, `stored` is put into memory first."""
     if isinstance(owner, CellVar) and owner.axis is None:
         num_lookups = prod(axis.size for axis in owner.number.axes)
-        if num_lookups >= max(MANY, w.module.layout.num_cells(owner.kinds)):
+        if num_lookups >= max(MANY, w.layout.num_cells(owner.kinds)):
             node = call("looked_up", stored.node, owner.number.node)
             return replace(stored, node=node, axes=owner.number.axes)
     return _entries_of(owner, stored)
@@ -86,7 +86,7 @@ def _group_field(e: ir.FieldRead, owner: CellVar, w: Writer) -> Value:
     """
     group = "_".join(owner.kinds)
     fields = [w.module.field(e, kind) for kind in owner.kinds]
-    table = w.module.layout.order_table(owner.kinds)
+    table = w.layout.order_table(owner.kinds)
     order = w.module.constant(f"order_{group}", table, "cells of a group in reading order")
     vectors = [w.stored(attribute_name(f)) for f in fields]
     concatenated = Value(call("jnp.concatenate", vectors)[order], storage(fields[0], w))
@@ -189,7 +189,7 @@ def everybody(w: Writer, entity_type: ir.EntityType) -> AgentVar:
 
 def all_positions(w: Writer, but: ir.EntityType | None = None) -> Expression:
     """Returns the cells in the frame of all agents and movers, without those of the type `but`."""
-    entity_types = [entity_type for entity_type in body_types(w.module.game) if entity_type != but]
+    entity_types = [entity_type for entity_type in body_types(w.game) if entity_type != but]
     if len(entity_types) == 1:
         return positions(w, entity_types[0])
     parts = [positions(w, entity_type) for entity_type in entity_types]
@@ -211,7 +211,7 @@ def _seen_cell(owner: CellVar, w: Writer) -> Value:
     """
     observer, cells = owner.seen
     comment = "cells of a window from the observer's cell, for each heading"
-    table = w.module.constant("view_offsets", w.module.layout.view_table, comment)
+    table = w.module.constant("view_offsets", w.layout.view_table, comment)
     steps = Value(table[HEADING], "i32", (observer, cells))
     observers = Value(POSITION, "i32", (observer,))
     return w.keep("seen_cells", on_map(observers + steps, w))
@@ -220,8 +220,8 @@ def _seen_cell(owner: CellVar, w: Writer) -> Value:
 def seen_steps(w: Writer, observer: Axis, cells: Axis) -> Value:
     """Returns how many steps each cell of a window is from the observer."""
     comment = "steps from the observer to each cell of its window"
-    table = w.module.constant("view_steps", w.module.layout.steps_table, comment)
-    if w.module.layout.wraps:  # round a map that is not square the way depends on the heading
+    table = w.module.constant("view_steps", w.layout.steps_table, comment)
+    if w.layout.wraps:  # round a map that is not square the way depends on the heading
         return Value(table[HEADING], "i32", (observer, cells))
     return Value(table, "i32", (cells,))
 
@@ -231,16 +231,16 @@ def on_map(cells: Value, w: Writer) -> Value:
 
     If the map wraps, those beyond an edge are cells at the other side.
     """
-    if not w.module.layout.wraps:
+    if not w.layout.wraps:
         return cells
     comment = "the cell of the map that a cell of the frame is; 1: none"
-    table = w.module.constant("around", w.module.layout.edges_table, comment)
+    table = w.module.constant("around", w.layout.edges_table, comment)
     return looked_up(table, cells, "i32")
 
 
 def cells_of(kinds: tuple[str, ...], w: Writer) -> Name:
     """Returns the table of the cells of some kinds."""
-    table = w.module.layout.cells_table(kinds)
+    table = w.layout.cells_table(kinds)
     return w.module.constant(f"cells_{'_'.join(kinds)}", table, f"cells of {', '.join(kinds)}")
 
 
@@ -259,7 +259,7 @@ def placed(owner: CellVar, w: Writer) -> CellVar:
 def site_at(cells: Value, kinds: tuple[str, ...], w: Writer) -> Value:
     """Returns the numbers of cells of the frame among the cells of `kinds`, past the end if none."""
     comment = f"number of each cell among {', '.join(kinds)}; past the end: none"
-    numbers = w.module.layout.site_table(kinds)
+    numbers = w.layout.site_table(kinds)
     table = w.module.constant(f"site_of_{'_'.join(kinds)}", numbers, comment)
     return looked_up(table, cells, "i32")
 

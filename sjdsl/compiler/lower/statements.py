@@ -49,7 +49,7 @@ def statement(s: ir.Stmt, scope: IterationScope, w: Writer, sends: Sends) -> Non
     match s:
         case ir.Each() if not is_empty(s.domain, w):
             inner = enter(s.domain, scope, w)
-            _inside(s.body, inner, w, sends, domain_name(s.domain, w.module.game))
+            _inside(s.body, inner, w, sends, domain_name(s.domain, w.game))
         case ir.Pick():
             inner, nobody, body = pick(s, scope, w)
             _inside(body, inner, w, sends, f"{s.domain.var.name}_found")
@@ -126,7 +126,7 @@ def when(s: ir.When, scope: IterationScope, w: Writer, sends: Sends) -> None:
     for number, branch in enumerate(s.branches):
         if number > 2:  # of many branches the conditions would pile up
             rest = replace(rest, mask=w.keep("rest", rest.mask))
-        name = condition_name(branch.test, w.module.game)
+        name = condition_name(branch.test, w.game)
         test = w.value(branch.test, scope)
         if is_read_twice:
             test = w.keep(name or "holds", test)
@@ -150,7 +150,7 @@ def mark(s: ir.Mark, scope: IterationScope, w: Writer) -> None:
     cells = select(happens & swept.is_reached, swept.cells, nowhere(w))
     marked = w.keep_node("marked", reshaped(cells.node, -1), "i32")
     assert isinstance(marked, Name)
-    w.marked[marked] = mark_size(s, w.module.game)
+    w.marked[marked] = mark_size(s, w.game)
 
 
 def mark_size(rules: ir.Node, game: ir.Game) -> int:
