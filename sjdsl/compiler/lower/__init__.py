@@ -195,13 +195,7 @@ def _turns(pools: Pools, module: Module) -> list[Turn]:
             function = _phase(turn, pools[turn.name], module)
         if function.body != (Return((STATE, OUT)),):
             lowered.append((turn, function))
-    phases = [(turn, function) for turn, function in lowered if isinstance(turn, ir.Phase)]
-    calls_of_phases = iter(share(phases))
-    calls = []
-    for turn, function in lowered:
-        is_phase = isinstance(turn, ir.Phase)
-        calls.append(next(calls_of_phases) if is_phase else Turn(function))
-    return calls
+    return share(lowered)
 
 
 def _facts(game: ir.Game, hash_: str, module: Module) -> tuple[Fact, ...]:

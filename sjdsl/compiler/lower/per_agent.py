@@ -50,10 +50,14 @@ def per_agent(name: str, e: ir.Expr, scope: IterationScope, w: Writer) -> Expres
         return w.keep_node(name, scattered(agents, TRUE, scope, w), "bool")
     other_axes = without(scope.axes, (agents.axis,))
     is_named = reduce("any", scope.mask, other_axes)
-    if is_named.axes:
-        return w.keep_node(name, is_named.node, "bool")
-    same_for_all = call("jnp.full", w.module.extent(agents.entity_type), is_named.node)
-    return w.keep_node(name, same_for_all, "bool")
+    return w.keep_node(name, _repeated(is_named, agents, w), "bool")
+
+
+def _repeated(value: Value, agents: AgentVar, w: Writer) -> Expression:
+    """Returns a value of each agent, or of all, with an entry for each: `[N]`."""
+    if value.axes:
+        return value.node
+    return call("jnp.full", w.module.extent(agents.entity_type), value.node)
 
 
 def scattered(
@@ -92,9 +96,7 @@ def of_each(e: ir.Expr, value: Value, scope: IterationScope, w: Writer) -> Expre
     if any(axis != agents.axis for axis in value.axes):
         other_axes = without(scope.axes, (agents.axis,))
         value = reduce("max", select(scope.mask, value, 0), other_axes)
-    if value.axes:
-        return value.node
-    return call("jnp.full", w.module.extent(agents.entity_type), value.node)
+    return _repeated(value, agents, w)
 
 
 def way_of_each(

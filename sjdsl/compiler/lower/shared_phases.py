@@ -186,21 +186,25 @@ def _plus(parameter: Name, number: int) -> Expression:
     return parameter - abs(number) if number < 0 else parameter + number
 
 
-def share(uses: list[tuple[ir.Phase, Function]]) -> list[Turn]:
-    """Returns the call of each phase of the schedule, in order.
+def share(uses: list[tuple[ir.Turn, Function]]) -> list[Turn]:
+    """Returns the calls of a step, in order.
 
     Uses of one declared phase call one function if they differ by numbers and tables alone.
 
-    uses: the phases, each with a function of its own.
+    uses: the turns of the schedule, each with a function of its own.
     """
     uses_of: dict[str, list[tuple[ir.Phase, Function]]] = {}
-    for phase, function in uses:
-        declared = re.split(r"\W", phase.label)[0]  # `sprout` of `sprout(red)`, `eat` of `eat #2`
-        uses_of.setdefault(declared, []).append((phase, function))
-    turns: dict[str, Turn] = {}
+    for turn, function in uses:
+        if isinstance(turn, ir.Phase):
+            declared = re.split(r"\W", turn.label)[0]  # of `sprout(red)` and `eat #2`
+            uses_of.setdefault(declared, []).append((turn, function))
+    calls: dict[str, Turn] = {}
     for declared, uses_of_phase in uses_of.items():
-        turns |= _one_function(phase_function(declared), uses_of_phase)
-    return [turns[phase.name] for phase, _ in uses]
+        calls |= _one_function(phase_function(declared), uses_of_phase)
+    return [
+        calls[turn.name] if isinstance(turn, ir.Phase) else Turn(function)
+        for turn, function in uses
+    ]
 
 
 def _one_function(name: str, uses: list[tuple[ir.Phase, Function]]) -> dict[str, Turn]:
