@@ -139,6 +139,7 @@ def observe(w: Writer) -> Expression:
     game = w.game
     heading = seen_heading(game)
     is_sometimes_hidden = heading is not None and heading.hidden_when is not None
+    # Whether each cell has the number of the agent on it, to look up what is shown of that agent.
     by_id = is_sometimes_hidden or any(s.what == "other" for s in game.observables)
     parts = parts_of(game, by_id)
     painted = paint_planes(parts, by_id, w)
