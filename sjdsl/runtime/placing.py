@@ -401,13 +401,13 @@ MOST_PAIRS = 16  # whose turns are unrolled
 FEW_PAIRS = 64  # pairs times turns up to which a GPU has each pair as three scalars
 
 
-def _paired_unrolled(reached: Array, ranks: Array, right: int, alike: bool, most: int) -> Array:
+def _paired_unrolled(reached: Array, ranks: Array, num_right: int, alike: bool, most: int) -> Array:
     """The form of `pair_reached` for GPUs: as many turns as there may be pairs.
 
     If pairs are few, each is a scalar, and none of these is written to memory.
     """
-    left = ranks.shape[0]
-    rows = jnp.arange(left, dtype=jnp.int32)
+    num_left = ranks.shape[0]
+    rows = jnp.arange(num_left, dtype=jnp.int32)
     ranks = lax.optimization_barrier(ranks)
     lefts = jnp.broadcast_to(rows[:, None], ranks.shape)
     are_few = ranks.size * most <= FEW_PAIRS
@@ -416,7 +416,7 @@ def _paired_unrolled(reached: Array, ranks: Array, right: int, alike: bool, most
     if are_few:
         scalars = [bits.apart(array.reshape(-1)) for array in pairs[0]]
         pairs = list(zip(*scalars, strict=True))
-    partner = jnp.full(left, right, jnp.int32)
+    partner = jnp.full(num_left, num_right, jnp.int32)
     for _ in range(most):
         if are_few:
             rank, a, b = reduce(_better, pairs)
@@ -461,34 +461,33 @@ def _gone(lefts: Array, rights: Array, a: Array, b: Array, alike: bool) -> Array
     return gone | (lefts == b) | (rights == a) if alike else gone
 
 
-def pair_reached(reached: Array, ranks: Array, right: int, alike: bool) -> Array:
+def pair_reached(reached: Array, ranks: Array, num_right: int, alike: bool) -> Array:
     """Returns what `pair` returns, from the few right members that each left member reaches.
 
     Args:
-      reached: `[L, K]` int32, numbers of right members, 0 .. right - 1 where the rank is not 0; one
-        may stand there twice.
-      ranks: `[L, K]` uint32, 0 where there is no pair; of equal ranks the smaller left number is
-        first, then the smaller right number.
-      right: number of right members.
-      alike: both sides are the same members, so one taken on one side is not free on the other.
+      reached: `[L, K]` int32, numbers of right members where the rank is not 0; one may stand there
+        twice.
+      ranks: `[L, K]` uint32, as of `pair`, 0 where there is no pair.
+      num_right: how many right members there are.
+      alike: as of `pair`.
 
     Returns:
-      `[L]` int32, `right` for those without a partner.
+      `[L]` int32, `num_right` for those without a partner.
     """
-    left = reached.shape[0]
-    if right == 0 or 0 in reached.shape:
-        return jnp.full(left, right, jnp.int32)
+    num_left = reached.shape[0]
+    if num_right == 0 or 0 in reached.shape:
+        return jnp.full(num_left, num_right, jnp.int32)
     if reached.shape[1] == 1 and not alike:
-        return _reached_at_once(reached[:, 0], ranks[:, 0], right)
-    most = min(left, right) // (2 if alike else 1)
-    in_turn = partial(_paired_in_turn, right=right, alike=alike)
+        return _reached_at_once(reached[:, 0], ranks[:, 0], num_right)
+    most = min(num_left, num_right) // (2 if alike else 1)
+    in_turn = partial(_paired_in_turn, num_right=num_right, alike=alike)
     if most > MOST_PAIRS:
         return in_turn(reached, ranks)
-    unrolled = partial(_paired_unrolled, right=right, alike=alike, most=most)
+    unrolled = partial(_paired_unrolled, num_right=num_right, alike=alike, most=most)
     return by_platform(in_turn, unrolled, reached, ranks)
 
 
-def _reached_at_once(reached: Array, ranks: Array, right: int) -> Array:
+def _reached_at_once(reached: Array, ranks: Array, num_right: int) -> Array:
     """Returns what `pair_reached` returns if each left member reaches one right member.
 
     Only those who reach the same one compete.
@@ -499,14 +498,14 @@ def _reached_at_once(reached: Array, ranks: Array, right: int) -> Array:
     is_earlier = rows[None] < rows[:, None]
     comes_first = has_more | (is_equal & is_earlier)
     outdone = any_of((reached[None] == reached[:, None]) & comes_first, axis=1)
-    return jnp.where((ranks > 0) & ~outdone, reached, right)
+    return jnp.where((ranks > 0) & ~outdone, reached, num_right)
 
 
-def _paired_in_turn(reached: Array, ranks: Array, right: int, alike: bool) -> Array:
+def _paired_in_turn(reached: Array, ranks: Array, num_right: int, alike: bool) -> Array:
     """The form of `pair_reached` for CPUs: as many turns as there are pairs."""
-    left = reached.shape[0]
-    rows = jnp.arange(left, dtype=jnp.int32)
-    numbers = rows[:, None] * right + reached
+    num_left = reached.shape[0]
+    rows = jnp.arange(num_left, dtype=jnp.int32)
+    numbers = rows[:, None] * num_right + reached  # of the pairs, in the order of equal ranks
 
     def has_pairs(state: tuple[Array, Array]) -> Array:
         ranks, _ = state
@@ -515,13 +514,13 @@ def _paired_in_turn(reached: Array, ranks: Array, right: int, alike: bool) -> Ar
     def take(state: tuple[Array, Array]) -> tuple[Array, Array]:
         """Takes the pair with the greatest rank, of equal ones the first, and removes its members."""
         ranks, partner = state
-        number = jnp.min(jnp.where(ranks == jnp.max(ranks), numbers, left * right))
-        a = number // right
-        b = number % right
+        number = jnp.min(jnp.where(ranks == jnp.max(ranks), numbers, num_left * num_right))
+        a = number // num_right
+        b = number % num_right
         gone = _gone(rows[:, None], reached, a, b, alike)
         return jnp.where(gone, jnp.uint32(0), ranks), jnp.where(rows == a, b, partner)
 
-    start = (ranks, jnp.full(left, right, jnp.int32))
+    start = (ranks, jnp.full(num_left, num_right, jnp.int32))
     _, partner = lax.while_loop(has_pairs, take, settled(take, start))
     return partner
 

@@ -162,8 +162,8 @@ def write_by_lot(stream: int, target: Target, value: Value, w: Writer) -> None:
     current = w.current(target.attribute)
     if who is None and entries is None:
         winner = reduction("argmax", won, (0,))
-        new = _values(value, target, axes, w)[winner]
-        w.assign(target.attribute, Where(reduction("any", won), new, current))
+        drawn = _values(value, target, axes, w)[winner]
+        w.assign(target.attribute, Where(reduction("any", won), drawn, current))
         return
     places: tuple[Expression, ...]
     if who is None or entries is None:
@@ -228,9 +228,8 @@ def _values(
     """
     type_ = target.read.type
     set_extents = w.module.set_extents(type_)
-    row_extents = ()
-    if not target.keys:
-        row_extents = tuple(map(w.module.num_entries, type_.indexed_by))
+    levels = () if target.keys else type_.indexed_by
+    row_extents = tuple(map(w.module.num_entries, levels))
     is_row = value.levels > len(set_extents)
     if is_row:
         return _flat(value, axes, value.dtype, (*row_extents, *set_extents))
@@ -421,7 +420,7 @@ def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None
         second = key
     axes = axes_of(first, scope.mask, value, second)
     first_places = w.keep(name, broadcast(select(scope.mask, first, past_the_end), axes)).node
-    places = (first_places,)
+    places: tuple[Expression, ...] = (first_places,)
     if second is not None:
         places = (first_places, aligned(second, axes))
     levels = w.module.levels(target.read.type) - (key is not None)

@@ -421,7 +421,7 @@ def blocked_by(
 
 
 def agents_in(near: ir.Near, variable: AgentVar, scope: IterationScope, w: Writer) -> Value:
-    """Returns which agents stand on a cell of the shape."""
+    """Returns which agents, along the axis of `variable`, stand on a cell of the shape."""
     assert variable.axis is not None
     swept = sweep(near, scope, w)
     cells = swept.cells

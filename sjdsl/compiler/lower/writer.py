@@ -94,7 +94,10 @@ class Module:
         return Name(self._by_value[value])
 
     def number(self, name: str, value: int, comment: str = "", group: Group = "other") -> Literal:
-        """Returns a number that the module gives a name to, if it is used."""
+        """Returns a number that generated code writes as a named constant: `NUM_WATER` for 124.
+
+        The constant is declared at the top of the module if something reads it. comment: beside it.
+        """
         key = (name.upper(), value)
         if key not in self._by_meaning:
             fresh = self.names.fresh(name.upper())
