@@ -261,7 +261,7 @@ def shown_values(field: FieldLook, values: np.ndarray) -> np.ndarray:
 
 @lru_cache(maxsize=4096)
 def draw_cell(kind: KindLook, key: Key, begun: bool = False) -> Drawing:
-    """Returns how a cell of a kind is drawn: its looks that apply, then fields that none of them reads.
+    """Returns how a cell of a kind is drawn: its looks that apply, then fields that none reads.
 
     begun: whether the first step is over, so that marks of starting places are left out.
     """

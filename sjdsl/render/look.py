@@ -310,8 +310,8 @@ def _cell_fields_in(label: ir.Node) -> set[tuple[str, str]]:
 def merged_words(kind: str, field: ir.VarField, game: ir.Game) -> frozenset[str]:
     """Returns the enum values of a field of cells that agents can't tell apart.
 
-    Agents see only labels instead of the field, and the labels' conditions, such as `fruit is ripe`,
-    compare it with other values than these.
+    Agents see only labels instead of the field, and the labels' conditions, such as
+    `fruit is ripe`, compare it with other values than these.
     """
     if field.type.kind != "word":
         return frozenset()

@@ -413,7 +413,7 @@ def _sample_text(row: Any) -> str:
 
 
 def cross_play(frame: "pd.DataFrame") -> Section:
-    """Returns the section on cross-play: a table of what agents earn beside agents of other policies.
+    """Returns the section on cross-play: a table of what agents earn beside other policies.
 
     Args:
       frame: from `results.load`. A row whose `record` is "mixture" has the mean

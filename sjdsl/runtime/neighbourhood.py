@@ -89,7 +89,7 @@ def over_neighbours(
 
 
 def _beside(numbers: np.ndarray, fields: Sequence[Array]) -> Iterator[tuple[Array, ...]]:
-    """Yields for each cell of the shape: the numbers of those cells around all cells, then their fields.
+    """Yields for each cell of the shape the numbers of those cells around all, and their fields.
 
     Args:
       numbers: `[S, K]`, the table of `over_neighbours`; K cells of the shape.

@@ -210,8 +210,8 @@ def destination(
 def _expanded(moves: Moves, reached: Array, enterable: Array) -> Array:
     """Returns the boards `[K, P, H, L]` of places from which one move leads into what is reached.
 
-    reached: boards `[K, P, H, L]`, one for each heading if P is 4. A step comes from the cell behind,
-    a turn from the same cell with another heading.
+    reached: boards `[K, P, H, L]`, one for each heading if P is 4. A step comes from the cell
+    behind, a turn from the same cell with another heading.
     """
     width = moves.open.shape[1]
     headings = reached.shape[1]  # 1 if they don't matter

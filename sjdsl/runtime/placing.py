@@ -171,7 +171,7 @@ def _chosen(
     """Returns what `choose` does, of sets kept as bits: `[..., W]` uint32."""
 
     def passes(members: Array) -> Array:
-        """Returns which members have a draw below the limit, by their numbers: `[...]`, `[..., T]`."""
+        """Returns which members, `[...]` or `[..., T]` numbers, have a draw below the limit."""
         if key is None or limit is None:
             return jnp.asarray(True)
         return (random_bits_at(key, stream, members.astype(jnp.uint32)) >> 1) < limit

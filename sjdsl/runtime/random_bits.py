@@ -126,7 +126,7 @@ def next_threshold(before: Array, probability: Array) -> Array:
 
 @one_function
 def below(draw: Array, bound: Array | int) -> Array:
-    """Returns floor(draw * bound / 2^32), int32: a random number below the bound, from a random one.
+    """Returns floor(draw * bound / 2^32), int32: a random number below the bound.
 
     Args:
       draw: any shape, uint32. bound: at most 65,535, so that no product leaves 32 bits.

@@ -17,7 +17,7 @@ from jax import Array, lax
 from sjdsl.runtime.forms import by_platform
 
 Places = Array | tuple[Array | int, ...]
-# A GPU compares each entry with each writer, unless there are more of them: then a scatter is faster.
+# A GPU compares each entry with each writer; if there are more of them, a scatter is faster.
 MOST_WRITERS = 32
 MOST_COMPARISONS = 8192
 
@@ -131,7 +131,7 @@ def _add_by_comparing(values: Array, numbers: tuple[Array, ...], amounts: Any) -
 def _places_of_writers(values: Array, numbers: tuple[Array, ...]) -> list[Array]:
     """Returns for each writer where it writes: bool, of the shape of the values."""
     shape = np.broadcast_shapes(*(number.shape for number in numbers))
-    matches_by_axis = []  # for each axis and writer: where the number along the axis is the writer's
+    matches_by_axis = []  # for each axis and writer: where the number along it is the writer's
     for axis, number in enumerate(numbers):
         along = lax.broadcasted_iota(jnp.int32, values.shape, axis)
         number = number.astype(jnp.int32)

@@ -382,7 +382,7 @@ def _is_alone_by_keys(w: Write) -> bool:
 
 
 def _pair_of_side(quantifier: Quantifier, around: Sequence[Quantifier]) -> set[str]:
-    """Returns {a, b} for `each agent as x in { a, b }` right inside a `match` of a with b; else none.
+    """Returns {a, b} for `each agent as x in { a, b }` just inside a `match` of a and b; else none.
 
     around: the quantifiers around it, outermost first.
     """

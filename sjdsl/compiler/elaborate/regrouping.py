@@ -23,7 +23,7 @@ def add_regrouped(e: ast.Binary, scope: Scope) -> None:
 
 
 def _regrouped(e: ast.Binary) -> Iterator[ast.Binary]:
-    """Yields `b * (a / c)` for each factor a and divisor c of a product: one quotient comes first."""
+    """Yields `b * (a / c)` for each factor a and divisor c of a product: a quotient is first."""
     factors, divisors = _parts(e)
     for divisor in divisors:
         for factor in factors[::-1]:

@@ -55,7 +55,7 @@ def lowest(function: Function, e: ast.Call, scope: Scope) -> ir.Expr:
 
 
 def mix(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
-    """Returns `mix(row)`, the share of each entry in the row's sum, which must be known to be positive."""
+    """Returns `mix(row)`: each entry's share in the sum, which must be known to be positive."""
     row = row_of_numbers(e.arguments[0], scope)
     if row.type.low < 0:
         raise wrong_type(scope, e.arguments[0], "a row of numbers of at least 0", row.type)

@@ -408,7 +408,7 @@ def match_(s: ast.Match, scope: Scope, streams: Streams) -> ir.Stmt:
 
 
 def branched(s: ast.When | ast.Chance, scope: Scope, streams: Streams) -> ir.Stmt:
-    """Returns `when a {} otherwise when b {} otherwise {}`, or the same of `chance`, as one statement.
+    """Returns `when a {} otherwise when b {} otherwise {}`, or of `chance`, as one statement.
 
     A branch of `when` is read knowing that those before it don't hold. A branch with a mistake is
     left out, and its block is read for its own mistakes.

@@ -281,7 +281,7 @@ def _claim(condition: ir.Expr) -> Claim:
 
 
 def _words_named(condition: ir.Expr) -> tuple[frozenset[str], ir.Expr | None]:
-    """Returns {a, b} and x for `x in { a, b }`, and for `x is a or x is b`: x is one of these values.
+    """Returns {a, b} and x for `x in { a, b }`, and for `x is a or x is b`: x is one of these.
 
     No values and None for a condition of another form.
     """

@@ -8,8 +8,8 @@ its stream.
 A statement of a game, which runs once for each member of the quantifiers around it (its
 *instances*), becomes array code for all instances at once:
 
-    each agent as zapper where zapper chose zap {          chose_zap = actions == ACTION_ZAP
-      each agent as victim in beam of zapper { ... }       victim_in_beam = chose_zap[:, None] & in_beam
+    each agent as zapper where zapper chose zap {      chose_zap = actions == ACTION_ZAP
+      each agent as victim in beam of zapper { ... }   victim_in_beam = chose_zap[:, None] & in_beam
     }
 
 Words that all files here use:

@@ -245,9 +245,9 @@ def _size_of_set(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
 
 
 def _near(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
-    """Returns `count(tree as other in disc(2) of tree where …)`, if `where` is about `other` alone.
+    """Returns `count(tree as other in disc(2) of tree where …)`, if that is about `other` alone.
 
-    The members are the same for all trees: a vector of bits, of which each tree masks those near it.
+    The members are the same for all trees: a vector of bits, of which each tree masks those near.
     """
     d = e.domain
     if not isinstance(d.restriction, ir.Near) or d.var.entity_type.what != "cell":

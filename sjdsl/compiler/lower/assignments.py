@@ -7,7 +7,7 @@ selected entry by entry:
 
 Where they name entries by computed numbers, the value is scattered, past the end by instances that
 do not happen: `set_at(state.water_state, to_water, CLEAN)`. `set ... by lot` draws which of the
-instances that name one entry writes it. What is added is collected, and written when the phase ends.
+instances that name one entry writes it. What is added is collected, and written when a phase ends.
 """
 
 from collections import Counter
@@ -390,7 +390,7 @@ def _whole(before: Value, mask: Value, value: Value) -> Value:
 def _entry(
     before: Value, mask: Value, key: Value, target: Target, value: Value, w: Writer
 ) -> Value:
-    """Returns a field of rows with the value at the key's entry of each row where the mask holds."""
+    """Returns a field of rows with the value at the key's entry where the mask holds."""
     if key.literal:
         new = select(mask, value, taken(before, key.node, before.levels - 1))
         of_sets = {"axis": -2} if before.levels > 1 else {}
@@ -575,7 +575,7 @@ def _folded(
 
 
 def finish(w: Writer) -> None:
-    """Writes what the `add`s of a phase have collected: sums, clipped if capped, and unions of sets."""
+    """Writes what the `add`s of a phase have collected: sums, clipped if capped, and sets."""
     for attribute, sums in w.added.items():
         declared = next(f for f in all_fields(w.game) if attribute_name(f) == attribute)
         stored_dtype = state_reads.storage(declared, w)

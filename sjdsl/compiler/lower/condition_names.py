@@ -62,7 +62,7 @@ def condition_name(e: ir.Expr | None, game: ir.Game) -> str:
 
 
 def domain_name(d: ir.Domain, game: ir.Game) -> str:
-    """Returns a name for a domain's mask: `on_orchard_and_is_ripe`; empty if there is no short one."""
+    """Returns a name for a domain's mask: `on_orchard_and_is_ripe`; empty without a short one."""
     parts = [] if d.on is None else [_fitting("on", "_or_".join(d.on.kinds))]
     match d.restriction:
         case ir.Near(shape=shape):

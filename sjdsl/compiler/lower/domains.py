@@ -210,7 +210,7 @@ def _cells(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
 def sites_in(
     near: ir.Near, kinds: tuple[str, ...], scope: IterationScope, w: Writer, name: str
 ) -> tuple[Value, Value]:
-    """Returns the sites of `kinds` at the cells of a shape around an anchor, and where there is one.
+    """Returns the sites of `kinds` at the cells of a shape around an anchor, and which exist.
 
     Both have the cells of the shape along their last axis. name: of that axis.
     """

@@ -38,7 +38,7 @@ ABSENT = 255  # in place of the number of an enum value in an enum without it
 
 
 def entry(e: ir.At, scope: IterationScope, w: Writer) -> Value:
-    """Returns one entry `row[key]` of a row or table; for a key that is a mix, the mean of entries."""
+    """Returns the entry `row[key]` of a row or table; if the key is a mix, a mean of entries."""
     row = w.value(e.row, scope)
     if e.key.type.kind == "mix":
         return _expected(row, w.value(e.key, scope), w)

@@ -226,7 +226,7 @@ def real(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
 
 
 def owner(e: ir.Expr, scope: IterationScope, w: Writer) -> Variable:
-    """Returns the agents or cells that an expression is: a variable in scope, or computed numbers."""
+    """Returns the agents or cells that an expression is: of a variable, or computed numbers."""
     if isinstance(e, ir.Member):
         return scope.variables[e.name]
     if e.type.kind == "cell":
@@ -417,7 +417,7 @@ def _is_one_of(value: Value, words: tuple[str, ...], e: ir.Expr, w: Writer) -> V
 
 
 def case(e: ir.Case, scope: IterationScope, w: Writer) -> Value:
-    """Returns `case w { red: a, otherwise: b }`: nested selections, the last arm for what is left."""
+    """Returns `case w { red: a, otherwise: b }`: nested selections, the last for what is left."""
     name = condition_name(e.subject, w.game)
     subject = w.keep(name or "subject", lower(e.subject, scope, w))
     values = []

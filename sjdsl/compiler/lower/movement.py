@@ -91,7 +91,7 @@ def settle(s: ir.Move, entity_type: ir.EntityType, target: Name, w: Writer) -> N
 
 
 def stay_if_blocked(body: AgentVar, target: Name, w: Writer) -> None:
-    """Writes that whoever would enter a cell that blocks under a condition has its own as target."""
+    """Writes that who would enter a cell that blocks under a condition has its own as target."""
     position = state_reads.positions(w, body.entity_type)
     for block, kind in conditional_blocks(body.entity_type.plural, w):
         if body.axis is None:

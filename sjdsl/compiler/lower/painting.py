@@ -88,7 +88,7 @@ def shift_of(part: Part, w: Writer) -> Value:
 
 
 def paint_planes(parts: tuple[Part, ...], by_id: bool, w: Writer) -> list[Name]:
-    """Writes the planes of bytes with all that is seen of the cells of the map; returns their names."""
+    """Writes the planes with all that is seen of the cells of the map; returns their names."""
     layout = w.layout
     by_name = {part.name: part for part in parts}
     content = by_name["content"]

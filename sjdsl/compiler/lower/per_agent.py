@@ -155,7 +155,7 @@ def turn(
 
     Args:
       who: which of them, `[N]` bool.
-      facing: the heading of all, such as "north"; None: a random one for each; "same": nobody turns.
+      facing: the heading of all, such as "north"; None: a random one each; "same": nobody turns.
       way: the heading of each, `[N]` int32, instead of `facing`.
       stream: of the random headings.
     """

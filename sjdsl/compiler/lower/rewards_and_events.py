@@ -1,6 +1,6 @@
 """Lowers `give` and `tally`: sums rewards and event counts over all instances of a statement.
 
-    each agent on orchard { give apple to agent }     reward + jnp.where(on_orchard, params.apple, 0.0)
+    each agent on orchard { give apple to agent }  reward + jnp.where(on_orchard, params.apple, 0.0)
 
 Who receives may also be a computed agent, a set of agents, or all of them. Where all instances give
 the same amount, how often each agent gets it is counted, which is cheaper than adding amounts.
@@ -162,7 +162,7 @@ def _repetitions(scope: IterationScope, axes: Axes) -> Value:
 
 
 def _sets_of_one(who: AgentVar, scope: IterationScope, w: Writer) -> Value:
-    """Returns the agent of each instance as a set, which is empty if the instance doesn't happen."""
+    """Returns the agent of each instance as a set, empty if the instance doesn't happen."""
     if who.alone is None:
         dtype = w.module.set_dtype
         bit = scalar(Literal(1), dtype) << as_dtype(who.number, dtype).node

@@ -1,6 +1,6 @@
 """Lowers quantifiers that choose members: `pick` at random, `first` along lanes of a shape.
 
-    pick 1 water where water.state is clean { ... }     water, found = pick(is_clean, random_bits(...))
+    pick 1 water where water.state is clean { ... }  water, found = pick(is_clean, random_bits(...))
 
 A chosen member is a computed number, so `pick 1` adds no axis; `pick n` has the axis of the
 candidates, with a mask of those that are chosen; `first` has an axis of the lanes.
@@ -117,7 +117,7 @@ def _pick_several(
     arguments = [mask.node, spread(bits, (*outer, turns)), spread(number, outer)]
     chosen = call("choose", *arguments)
     body = s.body
-    # `pick n D { chance p { ... } }`: the kernel also draws the chances, of the chosen members only.
+    # `pick n D { chance p { ... } }`: the kernel also draws the chances, of chosen members only.
     draws_by_member = inner.digits == ((iota(axis), axis.extent),)
     match s.body:
         case (ir.Chance(branches=(branch,), otherwise=()) as chance,) if draws_by_member:

@@ -152,7 +152,7 @@ class SharedBody:
         return self.variables[names]
 
     def common(self, names: tuple[str, ...]) -> str:
-        """Returns one name for the names in all uses: `ground_what` for `ground_red`, `ground_blue`.
+        """Returns one name for those of all uses: `ground_what` for `ground_red`, `ground_blue`.
 
         Empty if they differ by more than what the phase is called with.
         """

@@ -59,7 +59,7 @@ def field(e: ir.FieldRead, owner: Variable | None, w: Writer) -> Value:
 
 
 def _looked_up(owner: Variable, stored: Value, w: Writer) -> Value:
-    """Returns what `_entries_of` does; for many computed cells, `stored` is put into memory first."""
+    """Returns what `_entries_of` does; for many computed cells, `stored` goes into memory first."""
     if isinstance(owner, CellVar) and owner.axis is None:
         num_lookups = prod(axis.size for axis in owner.number.axes)
         if num_lookups >= max(MANY, w.layout.num_cells(owner.kinds)):
@@ -257,7 +257,7 @@ def placed(owner: CellVar, w: Writer) -> CellVar:
 
 
 def site_at(cells: Value, kinds: tuple[str, ...], w: Writer) -> Value:
-    """Returns the numbers of cells of the frame among the cells of `kinds`, past the end if none."""
+    """Returns the numbers of cells of the frame among those of `kinds`, past the end if none."""
     comment = f"number of each cell among {', '.join(kinds)}; past the end: none"
     numbers = w.layout.site_table(kinds)
     table = w.module.constant(f"site_of_{'_'.join(kinds)}", numbers, comment)
