@@ -89,9 +89,10 @@ class Board:
         return sum(map(abs, self.offset(a, b)))
 
     def steps_toward(self, heading: int, a: Cell, b: Cell) -> int:
-        """Returns how many steps with a heading b is from a, whatever is beside that line.
+        """Returns how many steps b is ahead of a in the direction of a heading, negative if behind.
 
-        On a map that wraps, that is the shorter way round; the positive one of two equal ways.
+        Steps across that direction don't count. On a map that wraps it is the shorter way round;
+        the positive one of two equal ways.
         """
         rows, cols = FORWARD[heading]
         steps = rows * (b.row - a.row) + cols * (b.col - a.col)

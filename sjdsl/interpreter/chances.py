@@ -48,7 +48,7 @@ def _draw_row(statement: ir.Draw, entries: int, instance: Instance) -> Drawn:
     if statement.different:
         values = _values_to_deal(statement)
         for entry, bits in enumerate(all_bits):
-            place = entry + (bits * (len(values) - entry) >> 32)
+            place = entry + ((bits * (len(values) - entry)) >> 32)
             values[entry], values[place] = values[place], values[entry]
         row = tuple(values[:entries])
     else:
@@ -74,9 +74,10 @@ def _value_of_bits(statement: ir.Draw, bits: int, instance: Instance) -> Value:
             return np.float32(np.float32(low) + np.float32(width * share))
         size = high - low + 1
         assert 1 <= size <= 65535, (low, high)
-        return low + (bits * size >> 32)
+        return low + ((bits * size) >> 32)
     if not statement.weights:
-        return statement.words[bits * len(statement.words) >> 32]
+        place = (bits * len(statement.words)) >> 32
+        return statement.words[place]
     values = statement.numbers or statement.words
     cumulative = np.float32(0)
     for value, weight in zip(values[:-1], statement.weights[:-1], strict=True):

@@ -129,21 +129,23 @@ def statements_run(accounts: Iterable[Account]) -> set[StatementId]:
 
 
 def count_statements(game: ir.Game) -> tuple[ir.Game, dict[str, StatementId]]:
-    """Returns the game with events that count its statements, and these: name -> statement.
+    """Returns the game with an event for each statement, which counts how often it runs.
 
-    Nothing is counted when an episode begins, and in phases in which agents move.
+    The event is tallied just before the statement. Statements of phases in which agents move, and
+    of those before the first step, are not counted.
+
+    Returns:
+      the changed game, and the statement that each of the new events counts, by the event's name.
     """
-    counter = _Counter(
-        {leaf.statement_id for leaf in leaf_statements(game)}, {event.name for event in game.events}
-    )
-    schedule = tuple(
-        turn.changed(body=counter.with_counts(turn.body, turn.label))
-        if isinstance(turn, ir.Phase) and not contains(turn, ir.Move)
-        else turn
-        for turn in game.schedule
-    )
-    events = tuple(ir.Event(name=name, per_agent=False) for name in counter.events)
-    changed = game.changed(schedule=schedule, events=(*game.events, *events))
+    statements = {leaf.statement_id for leaf in leaf_statements(game)}
+    counter = _Counter(statements, {event.name for event in game.events})
+    schedule: list[ir.Turn] = []
+    for turn in game.schedule:
+        if isinstance(turn, ir.Phase) and not contains(turn, ir.Move):
+            turn = turn.changed(body=counter.with_counts(turn.body, turn.label))
+        schedule.append(turn)
+    new_events = [ir.Event(name=name, per_agent=False) for name in counter.events]
+    changed = game.changed(schedule=tuple(schedule), events=(*game.events, *new_events))
     return changed, counter.events
 
 

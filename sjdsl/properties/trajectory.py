@@ -233,12 +233,18 @@ def script_of(policy: ir.Policy, game: ir.Game) -> ir.ScriptedPolicy | None:
 def choose(
     policy: ir.Policy, game: ir.Game, world: World, agent: int, bits: tuple[int, int]
 ) -> int:
-    """Returns what an agent with this policy does in a state."""
+    """Returns the number of the action that an agent with this policy takes in a state.
+
+    Args:
+      bits: two random numbers of 32 bits. Of A allowed actions, `random` and `never` take number
+        floor(bits[0] * A / 2^32).
+    """
     script = script_of(policy, game)
     if script is not None:
         return interpreted.choose(script, game, world, agent, bits)
     actions = allowed_by(policy, game)
-    return actions[bits[0] * len(actions) >> 32]
+    place = (bits[0] * len(actions)) >> 32
+    return actions[place]
 
 
 def _actions(game: ir.Game, scenario: Scenario, world: World, number: int) -> tuple[int, ...]:

@@ -426,7 +426,14 @@ class Program:
         bias: Array,
         actions: Array,
     ) -> tuple[Any, ...]:
-        """Returns the parts of `Played` for one world."""
+        """Returns the parts of `Played` for one world: STEPS steps after a state.
+
+        Once the episode is over, steps go on, but nothing that they do counts.
+
+        Args:
+          totals: of the events so far. bias: of the draws of each step.
+          actions: `[STEPS, N]` int32.
+        """
 
         def advance(carry: Any, chosen: Array) -> Any:
             """Takes a step, and notes which statements ran in it."""

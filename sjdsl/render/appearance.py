@@ -119,7 +119,7 @@ def appearance_of(
 
 
 def _draw_cells(look: Look, snapshot: Snapshot) -> Appearance:
-    """Returns the board without figures."""
+    """Returns the board without agents, movers, beams and flashes."""
     drawings: list[Drawing] = []
     cells = np.zeros((look.height, look.width), int)
     for kind in look.kinds:
@@ -134,28 +134,27 @@ def _beams(
 ) -> Iterator[tuple[Beam, int, int]]:
     """Yields the marked cells, with row and column.
 
-    A cell has the colour of the nearest agent that doesn't face away from it, among those whose
-    action marks in this phase.
+    The state doesn't say who marked a cell. It has the colour of the nearest agent that doesn't
+    face away from it, among those whose action marks in this phase.
+
+    figures: the agents.
     """
     for label, edge in look.marks:
         marking = look.marking_actions[label]
-        agents = [
-            agent
-            for agent in range(look.num_agents)
-            if snapshot.row[agent] >= 0
-            and (not actions or not marking or actions[agent] in marking)
-        ]
-        cells = marked_cells(snapshot, label)
-        owner: dict[Cell, int] = {}
-        for cell in cells:
+        agents = []
+        for agent in range(look.num_agents):
+            may_mark = not actions or not marking or actions[agent] in marking
+            if may_mark and snapshot.row[agent] >= 0:
+                agents.append(agent)
+        owners: dict[Cell, int] = {}  # -1: nobody
+        for cell in marked_cells(snapshot, label):
             distances = [_beam_distance(snapshot, agent, cell) for agent in agents]
-            owner[cell] = agents[distances.index(min(distances))] if agents else -1
-        for row, col in cells:
-            agent = owner[row, col]
+            owners[cell] = agents[distances.index(min(distances))] if agents else -1
+        for (row, col), owner in owners.items():
             north, east, south, west = (
-                owner.get((row + down, col + right)) != agent for down, right in DIRECTIONS
+                owners.get((row + down, col + right)) != owner for down, right in DIRECTIONS
             )
-            fill = figures[agent].colour if agent >= 0 else edge
+            fill = figures[owner].colour if owner >= 0 else edge
             yield Beam(fill, edge, (north, east, south, west)), row, col
 
 
@@ -179,11 +178,11 @@ def _flashing_cells(
     positions = _positions(snapshot)
     earlier_positions = _positions(before)
     earlier_ground = _draw_cells(look, before)
-    reached = {cell for cell in positions["agent"] if cell is not None}
+    touched = {cell for cell in positions["agent"] if cell is not None}
     for label, _ in look.marks:
-        reached |= {*marked_cells(snapshot, label)}
+        touched |= {*marked_cells(snapshot, label)}
     flashing: set[Cell] = set()
-    for cell in reached:
+    for cell in touched:
         gone = _pictures_in(earlier_ground, cell) - _pictures_in(ground, cell)
         if any(picture.sprite != "floor" for picture in gone):
             flashing.add(cell)
@@ -262,40 +261,28 @@ def shown_values(field: FieldLook, values: np.ndarray) -> np.ndarray:
 
 @lru_cache(maxsize=4096)
 def draw_cell(kind: KindLook, key: Key, begun: bool = False) -> Drawing:
-    """Returns how a cell of a kind is drawn. `begun`: marks of starting places are left out."""
+    """Returns how a cell of a kind is drawn: its looks that apply, then fields that none reads.
+
+    begun: whether the first step is over, so that marks of starting places are left out.
+    """
     values = key[: len(kind.fields)]
     applies = key[len(kind.fields) :]
-    applied = [rule for rule, is_applied in zip(kind.rules, applies, strict=True) if is_applied]
-    ground = kind.ground
-    body = None if begun and kind.starting else kind.body
-    standing: Picture | None = None  # on a body that fills the cell
-    for rule in applied:  # the last one with a sprite or a colour counts, and every badge
-        picture = rule.picture
-        if picture is not None:
-            if _fills_cell(body) and not _fills_cell(picture):
-                standing = picture
-            else:
-                body = picture
-                standing = None
-        elif rule.colour is not None:
-            ground = rule.colour
-            body = _tint_body(body, rule.colour)
-    if body == Picture("floor", ground):  # a mark in the colour of its ground can't be seen
-        body = None
-    read = {name for rule in applied for name in rule.reads}
+    rules = [rule for rule, is_applied in zip(kind.rules, applies, strict=True) if is_applied]
+    ground, body, standing = _apply_sprites(kind, rules, begun)
+    fields_in_rules = {name for rule in rules for name in rule.reads}
     objects: list[Picture] = []
     edges: list[Colour | None] = []
     bars: list[tuple[int, int]] = []
-    side = 0
+    num_bars = 0  # each has its side, also if it is empty
     for field, value in zip(kind.fields, values, strict=True):
-        is_read = field.name in read
+        is_read = field.name in fields_in_rules
         match field.drawn_as:
             case "edge":
                 edges.append(field.colours[value - 1] if value > 0 and not is_read else None)
             case "bar":
                 if value > 0 and not is_read:
-                    bars.append((side, value))
-                side += 1
+                    bars.append((num_bars, value))
+                num_bars += 1
             case "tint" if not is_read and field.is_drawn(value):
                 tint = field.colours[value]
                 ground = mixed(ground, tint, TINTED)
@@ -303,7 +290,7 @@ def draw_cell(kind: KindLook, key: Key, begun: bool = False) -> Drawing:
                     body = _tint_body(body, mixed(body.colour, tint, TINTED))
             case "shape" if not is_read and field.is_drawn(value):
                 objects.append(field.pictures[value])
-    badges = list(dict.fromkeys(rule.badge for rule in applied if rule.badge is not None))
+    badges = list(dict.fromkeys(rule.badge for rule in rules if rule.badge is not None))
     if standing is not None or (body is not None and not _fills_cell(body)):
         # A tree with an apple, not an apple over a tree.
         badges = [*objects, *badges]
@@ -318,6 +305,32 @@ def draw_cell(kind: KindLook, key: Key, begun: bool = False) -> Drawing:
         bars=tuple(bars),
         inner=tuple(inner) if any(inner) else (),
     )
+
+
+def _apply_sprites(
+    kind: KindLook, rules: Sequence[Rule], begun: bool
+) -> tuple[Colour, Picture | None, Picture | None]:
+    """Returns the ground, the body and what stands on a body that fills the cell, by the looks.
+
+    Of the looks with a sprite or a colour the last one counts.
+    """
+    ground = kind.ground
+    body = None if begun and kind.starting else kind.body
+    standing: Picture | None = None
+    for rule in rules:
+        picture = rule.picture
+        if picture is None:
+            if rule.colour is not None:
+                ground = rule.colour
+                body = _tint_body(body, rule.colour)
+        elif _fills_cell(body) and not _fills_cell(picture):
+            standing = picture
+        else:
+            body = picture
+            standing = None
+    if body == Picture("floor", ground):  # a mark in the colour of its ground can't be seen
+        body = None
+    return ground, body, standing
 
 
 def _fills_cell(body: Picture | None) -> bool:
@@ -374,16 +387,15 @@ def _apply_looks(
     applies = [rule.applies(prefix, values, len(figures)) for rule in rules]
     result = []
     for number, figure in enumerate(figures):
-        applied = [
-            rule for rule, is_applied in zip(rules, applies, strict=True) if is_applied[number]
-        ]
-        for rule in applied:
-            figure = apply_rule(figure, rule)
-        read = {name for rule in applied for name in rule.reads}
+        fields_in_rules: set[str] = set()
+        for rule, applies_to in zip(rules, applies, strict=True):
+            if applies_to[number]:
+                figure = apply_rule(figure, rule)
+                fields_in_rules |= rule.reads
         badges = list(figure.badges)
         for field in carried:
             value = int(values[field.attribute][number])
-            if field.name not in read and field.is_carried(value):
+            if field.name not in fields_in_rules and field.is_carried(value):
                 badges.append(field.pictures[value])
         distinct = tuple(dict.fromkeys(badges))
         result.append(replace(figure, badges=distinct[:BADGES]))

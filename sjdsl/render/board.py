@@ -105,8 +105,9 @@ def draw_windows(board: np.ndarray, snapshot: Snapshot, window: ir.Window, tile:
     for row, col, heading in zip(snapshot.row, snapshot.col, snapshot.heading, strict=True):
         # [rows, cols, 2]: the row and the column on the map of each cell of the window
         cells = np.array((row, col)) + ahead * STEPS[heading] + right * STEPS[(heading + 1) % 4]
-        on_map = (row >= 0) & ((cells >= 0) & (cells < (height, width))).all(axis=-1, keepdims=True)
-        rows, cols = np.moveaxis(np.where(on_map, cells, -1), -1, 0)
+        is_inside = ((cells >= 0) & (cells < (height, width))).all(axis=-1, keepdims=True)
+        is_present = row >= 0
+        rows, cols = np.moveaxis(np.where(is_present & is_inside, cells, -1), -1, 0)
         # [rows, cols, tile, tile, 3], each tile turned as the window is; then pixels row by row
         turned = np.rot90(tiles[rows, cols], int(heading), axes=(2, 3))
         picture = turned.swapaxes(1, 2)

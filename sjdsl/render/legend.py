@@ -92,7 +92,10 @@ def _entries_of(kind: KindLook, shown: Sequence[Snapshot] | None) -> list[tuple[
 
 
 def _kind_entries(kind: KindLook) -> Iterator[tuple[Drawing, str, Occurs]]:
-    """Yields the drawings of a kind, each with its text and the test of which cells show it."""
+    """Yields the drawings of a kind, each with its text and the test of which cells show it.
+
+    In this order: the plain cell, each look, each field's values, then combinations of values.
+    """
     plain_values = tuple(field.plain for field in kind.fields)
     always = tuple(int(rule.condition is None) for rule in kind.rules)
     plain = draw_cell(kind, plain_values + always)
@@ -156,10 +159,10 @@ def _combined_text(kind: KindLook, state: Key) -> str:
 
 
 def _word_states(kind: KindLook) -> Iterator[Key]:
-    """Yields the keys of cells for all combinations of enum values; of very many, the first.
+    """Yields the keys of cells with all combinations of their fields' enum values.
 
-    All numbers are 0 and nobody owns anything. A look that reads more than enum values applies to
-    none of them.
+    Of very many combinations it yields the first. All numbers are 0 and nobody owns anything. A
+    look that reads more than enum values applies to none of them.
     """
     choices = [range(len(field.words)) if field.holds == "word" else (0,) for field in kind.fields]
     combinations = list(islice(product(*choices), MAX_STATES))

@@ -92,7 +92,7 @@ def make_letters(game: ir.Game) -> Letters:
 
 
 def _unused_character(words: Sequence[str], used: Collection[str]) -> str:
-    """Returns the first letter of a word, small or large, another of its letters, or any."""
+    """Returns an unused letter: the first of a word, small or large, another of it, or any."""
     letters = "".join(word[0] + word[0].upper() for word in words) + "".join(words) + SPARE
     return next((c for c in letters if c.isalnum() and c not in used), NONE_LEFT)
 

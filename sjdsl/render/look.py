@@ -121,19 +121,18 @@ class Rule:
         """Returns to which of `count` cells, agents or movers it applies, `[count]` bool.
 
         Args:
-          prefix: what the names of their attributes in `values` begin with.
+          prefix: what the names of their attributes in `values` begin with, such as `agent`.
         """
-        names = sorted(self.reads)
-        columns = [values[f"{prefix}_{name}"].tolist() for name in names]
-        known: dict[str, bool] = {}  # by the values of all fields
-        result: list[bool] = []
+        columns = {name: values[f"{prefix}_{name}"].tolist() for name in sorted(self.reads)}
+        results: dict[str, bool] = {}  # the fields' values as text -> whether it applies
+        applies: list[bool] = []
         for number in range(count):
-            fields = {name: column[number] for name, column in zip(names, columns, strict=True)}
+            fields = {name: column[number] for name, column in columns.items()}
             key = str(fields)
-            if key not in known:
-                known[key] = self._holds(fields)
-            result.append(known[key])
-        return np.array(result, bool)
+            if key not in results:
+                results[key] = self._holds(fields)
+            applies.append(results[key])
+        return np.array(applies, bool)
 
     def _holds(self, fields: Mapping[str, Any]) -> bool:
         """Returns whether the condition holds. `fields`: the values, as the state stores them."""
@@ -311,33 +310,31 @@ def _cell_fields_in(label: ir.Node) -> set[tuple[str, str]]:
 def merged_words(kind: str, field: ir.VarField, game: ir.Game) -> frozenset[str]:
     """Returns the enum values of a field of cells that agents can't tell apart.
 
-    Agents see only labels instead of the field, and no label reads these values.
+    Agents see only labels instead of the field, and the labels' conditions, such as
+    `fruit is ripe`, compare it with other values than these.
     """
-    seen = [
-        observable
-        for observable in game.observables
-        if observable.what == "cell" and observable.kind == kind
-    ]
-    is_seen = any(observable.field == field.name and not observable.labels for observable in seen)
-    if field.type.kind != "word" or is_seen:
+    if field.type.kind != "word":
         return frozenset()
     nodes: list[ir.Node] = []
-    for observable in seen:
-        for label in observable.labels:
-            nodes += ir.walk(label)
-    reads = 0
-    reads_compared = 0  # with enum values
-    unread = {*field.type.words}
+    for observable in game.observables:
+        if observable.what == "cell" and observable.kind == kind:
+            if observable.field == field.name and not observable.labels:
+                return frozenset()  # agents see its value
+            for label in observable.labels:
+                nodes += ir.walk(label)
+    num_reads = 0
+    num_compared = 0  # reads that are compared with enum values
+    unmentioned = {*field.type.words}
     for node in nodes:
-        reads += _is_read_of(field, node)
+        num_reads += _is_read_of(field, node)
         if isinstance(node, ir.Same | ir.InWords):
             words = _words(node)
-            unread -= words
-            reads_compared += bool(words) and _is_read_of(field, _compared_value(node))
+            unmentioned -= words
+            num_compared += bool(words) and _is_read_of(field, _compared_value(node))
     # A read that is compared with something else may tell all values apart.
-    if reads != reads_compared or len(unread) == 1:
+    if num_reads != num_compared or len(unmentioned) == 1:
         return frozenset()
-    return frozenset(unread)
+    return frozenset(unmentioned)
 
 
 def _is_read_of(field: ir.VarField, node: ir.Node) -> bool:
@@ -356,8 +353,10 @@ def _marking_actions(
 ) -> Iterator[int]:
     """Yields the numbers of the actions with which agents mark in a part of the rules.
 
+    In `each agent as a where a chose zap { mark beam of a }` it is that of `zap`.
+
     Args:
-      chosen: those that the conditions around this part ask for.
+      chosen: the actions that conditions around this part ask for.
     """
     if isinstance(node, ir.Mark):
         yield from chosen
@@ -454,7 +453,7 @@ def words_in_looks(field: ir.VarField, rules: tuple[Rule, ...]) -> frozenset[str
 
 
 def _words(part: ir.Expr) -> frozenset[str]:
-    """Returns the enum values with which a condition holds, or the entries of a row it reads."""
+    """Returns the enum values that a condition mentions: compared values, and keys of rows."""
     match part:
         case ir.InWords():
             return frozenset(part.words)
@@ -514,10 +513,10 @@ def _make_field_look(
 def _tell_apart(
     fields: Iterable[FieldLook], is_visible: Callable[[FieldLook, int], bool]
 ) -> Iterator[FieldLook]:
-    """Yields fields of one owner with other pictures where two would be drawn alike.
+    """Yields the fields of one owner; where two pictures would be the same, the second is another.
 
     Args:
-      is_visible: whether a field draws its enum value with a number.
+      is_visible: (a field, the number of an enum value) -> whether the value is drawn.
     """
     used: set[Picture] = set()
     for field in fields:
@@ -584,10 +583,13 @@ def _possessions(fields: Sequence[ir.VarField], game: ir.Game) -> Iterator[Field
 def _as_in_looks(
     words: Sequence[str], usual: Sequence[Picture], game: ir.Game
 ) -> tuple[Picture, ...]:
-    """Returns a picture for each enum value: the one that a look shows where it asks for it.
+    """Returns a picture for each enum value: that of the look whose condition asks for the value.
 
     So what is carried looks like what lies about. Other enum values, and those that are named
     after a sprite, keep their usual picture.
+
+    Args:
+      usual: the usual picture of each of `words`.
     """
     pictures = dict(zip(words, usual, strict=True))
     for rule in map(_make_rule, game.looks):

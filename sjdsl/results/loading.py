@@ -564,24 +564,29 @@ def _check_types(row: Mapping[str, Any]) -> None:
 
 
 def _changed_numbers(game: Mapping[str, Any], provenance: Mapping[str, Any]) -> list[str]:
-    """Returns the numbers of the game that were changed, beside its variant, as `name=value`; among them that of agents.
-
-    The manifest of a run that was started from Python may lack them: then they are the differences from the bundled game.
+    """Returns the parameters, and perhaps the number of agents, that a run's user changed.
 
     Args:
-      provenance: with which `variant`, `params` and `num_agents` the game was asked for.
+      game: of the run's manifest: its `name`, `hash` and `params`.
+      provenance: of the manifest: the `variant`, `params` and `num_agents` that the user asked for.
+        It may be empty for a run that was started from Python; then the game itself is compared
+        with the bundled one.
+
+    Returns:
+      `name=value` for each number that differs from its default in the variant, by name.
     """
     if "game" not in provenance:
         return other_numbers(game)
-    numbers = flat_numbers(provenance.get("params") or {})
-    if provenance.get("num_agents") is not None:
-        numbers["num_agents"] = provenance["num_agents"]
+    asked_for = flat_numbers(provenance.get("params") or {})
+    num_agents = provenance.get("num_agents")
+    if num_agents is not None:
+        asked_for["num_agents"] = num_agents
     variant = provenance.get("variant") or ""
-    return [
-        as_assignment(name, value)
-        for name, value in sorted(numbers.items())
-        if not is_usual(game["name"], variant, name, value)
-    ]
+    changed = []
+    for name, value in sorted(asked_for.items()):
+        if not is_usual(game["name"], variant, name, value):
+            changed.append(as_assignment(name, value))
+    return changed
 
 
 def _seed_folders(path: Path, config: Mapping[str, Any]) -> list[tuple[int, Path]]:

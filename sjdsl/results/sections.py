@@ -413,21 +413,22 @@ def _sample_text(row: Any) -> str:
 
 
 def cross_play(frame: "pd.DataFrame") -> Section:
-    """Returns the section on the return of an agent of each policy in each mixture."""
+    """Returns the section on cross-play: a table of what agents earn beside other policies.
+
+    Args:
+      frame: from `results.load`. A row whose `record` is "mixture" has the mean
+        return of an agent of one `policy` in one `mixture` of policies. The rows of a game stand
+        together; a policy's short name is unique in its game.
+    """
     rows: list[tuple[str | Figure, ...]] = []
     for _, group in groupby(of_record(frame, "mixture"), attrgetter("game")):
-        of_game = list(group)
-        names = short_names(row.policy for row in of_game)
-        for row in of_game:
-            rows.append(
-                (
-                    setting_of(row).label,
-                    Figure(_rename_in(row.mixture, names), {"": row.mixture}),
-                    _policy_figure(names[row.policy], row.policy),
-                    interval(row["mean"], row.low, row.high),
-                    _sample_text(row),
-                )
-            )
+        results_of_game = list(group)
+        names = short_names(result.policy for result in results_of_game)
+        for result in results_of_game:
+            mixture = Figure(_rename_in(result.mixture, names), {"": result.mixture})
+            policy = _policy_figure(names[result.policy], result.policy)
+            earned = interval(result["mean"], result.low, result.high)
+            rows.append((setting_of(result).label, mixture, policy, earned, _sample_text(result)))
     headings = ("game", "mixture", "policy", "return of an agent", "interval over")
     title = "Return of an agent of a policy in a mixture, with its 95 % interval"
     table = Table("cross_play", title, headings, rows, 3)

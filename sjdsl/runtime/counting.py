@@ -15,8 +15,8 @@ def count_near(member: Array, masks: Array) -> Array:
     """Returns how many members each cell has near it.
 
     Args:
-      member: `[M]` bool.
-      masks: `[W, S]` uint32 of `geometry.near_masks`.
+      member: `[M]` bool, which cells are members.
+      masks: `[W, S]` uint32 of `geometry.near_masks`: the cells near each of S cells, as bits.
     Returns:
       `[S]` int32.
     """
@@ -58,20 +58,21 @@ def times_in(sets: Array, agents: int) -> Array:
 
 
 def _added_at_once(sets: Array, agents: int) -> Array:
-    """The form for GPUs: the sets are words with a field for each agent, and the words are added.
+    """The form for GPUs: each set becomes words with a field for each agent, which are then added.
 
-    A product puts the bits of some agents into fields that are wide enough for the sum.
+    A field has the bit of its agent, and is wide enough for the sum. A product with `copies` puts
+    bit i of some agents' bits, which are next to each other, into the lowest bit of field i.
     """
-    width = max(2, sets.size.bit_length())
-    per_word = min(WIDTH // width, width - 1)
-    spread = sum(1 << place * (width - 1) for place in range(per_word))
+    width = max(2, sets.size.bit_length())  # of a field
+    per_word = min(WIDTH // width, width - 1)  # fields
+    copies = sum(1 << place * (width - 1) for place in range(per_word))
     lowest_bits = sum(1 << place * width for place in range(per_word))
-    words = []
+    bits_of_agents = []
     for first in range(0, agents, per_word):
-        words.append((sets >> first).astype(jnp.uint32) & ((1 << per_word) - 1))
+        bits_of_agents.append((sets >> first).astype(jnp.uint32) & ((1 << per_word) - 1))
     totals = []
-    for word in words:
-        fields = (word * jnp.uint32(spread)) & jnp.uint32(lowest_bits)
+    for bits in bits_of_agents:
+        fields = (bits * jnp.uint32(copies)) & jnp.uint32(lowest_bits)
         totals.append(jnp.sum(fields, dtype=jnp.uint32))
     number = jnp.arange(agents, dtype=jnp.int32)
     return field(totals, number, width, per_word).astype(jnp.int32)
@@ -86,6 +87,7 @@ def _added_in_rows(sets: Array, agents: int) -> Array:
     agent = jnp.arange(agents, dtype=sets.dtype)[:, None]
 
     def members(row: Array) -> Array:
+        """Returns 1 where a set of the row has an agent, else 0: `[agents, 32]` uint8."""
         result: Array = ((row[None] >> agent) & sets.dtype.type(1)).astype(jnp.uint8)
         return result
 

@@ -48,6 +48,8 @@ def exact_root(value: Array | float) -> Array:
 def exponential(value: Array | float) -> Array:
     """Returns e to the power of reals, float32, of any shape.
 
+    x is `exponent * ln 2 + rest`, so e^x is 2^exponent * e^rest, with e^rest from a series.
+
     Args:
       value: at most 88, as the compiler has proved.
     """
@@ -57,6 +59,7 @@ def exponential(value: Array | float) -> Array:
     rest = rest - exactly(exponent * jnp.float32(LN_2_LOW))
     series = _polynomial(OF_EXPONENTIAL, rest)
     power = (exactly(rest * rest * series) + rest) + 1
+    # 2^exponent is added to the exponent of the float32 that e^rest is.
     bits = as_bits(power)
     return assembled(
         jnp.zeros_like(power, bool),
@@ -68,20 +71,26 @@ def exponential(value: Array | float) -> Array:
 def logarithm(value: Array | float) -> Array:
     """Returns natural logarithms of positive reals, float32, of any shape.
 
+    A real is `m * 2^exponent` with m between the roots of 1/2 and 2, so its logarithm is
+    `exponent * ln 2 + ln m`. With f = m - 1 and s = f / (f + 2), ln m is f - f^2/2 + s (f^2/2 + R),
+    where R is a series in s^2. Source: fdlibm, e_logf.c.
+
     What rounding has brought below 2^-126 counts as that.
     """
     bits = as_bits(jnp.maximum(jnp.asarray(value, jnp.float32), LEAST))
+    # The significand is 1 .. 2; if it is above the root of 2, m is half of it.
     fraction = bits & (2**FRACTION - 1)
     is_halved = (fraction > HALF_ROOT).astype(jnp.int32)
     exponent = (exponent_of(bits) - BIAS + is_halved).astype(jnp.float32)
-    above_1 = as_real(fraction | (BIAS - is_halved).astype(jnp.uint32) << FRACTION) - 1
-    half = exactly(above_1 * above_1 * 0.5)
-    ratio = divided(above_1, above_1 + 2)
-    square = ratio * ratio
-    series = exactly(_polynomial(OF_LOGARITHM, square) * square)
-    less = exactly(ratio * (half + series)) - half
-    less = less + exactly(exponent * jnp.float32(LN_2_LOW))
-    result: Array = (above_1 + less) + exponent * jnp.float32(LN_2_HIGH)
+    exponent_bits = (BIAS - is_halved).astype(jnp.uint32) << FRACTION
+    f = as_real(fraction | exponent_bits) - 1
+    half_square = exactly(f * f * 0.5)
+    s = divided(f, f + 2)
+    s_square = s * s
+    series = exactly(_polynomial(OF_LOGARITHM, s_square) * s_square)
+    correction = exactly(s * (half_square + series)) - half_square
+    correction = correction + exactly(exponent * jnp.float32(LN_2_LOW))
+    result: Array = (f + correction) + exponent * jnp.float32(LN_2_HIGH)
     return result
 
 
@@ -124,15 +133,16 @@ def _root_on_gpu(value: Array) -> Array:
     exponent = exponent_of(bits) - BIAS
     rest = significand_of(bits) << (exponent & 1).astype(jnp.uint32)
     rest = rest << 1
-    found = jnp.zeros_like(rest)
+    root_bits = jnp.zeros_like(rest)
     twice = jnp.zeros_like(rest)  # the root so far, in the place that is compared with the rest
     for place in reversed(range(ROOT_BITS)):
         bit = jnp.uint32(1 << place)
         is_in = twice + bit <= rest
         rest = jnp.where(is_in, rest - (twice + bit), rest) << 1
         twice = jnp.where(is_in, twice + 2 * bit, twice)
-        found = jnp.where(is_in, found | bit, found)
-    rounded_up = (found >> 1) + (found & 1)  # never halfway: a root with 25 bits has a square of 49
+        root_bits = jnp.where(is_in, root_bits | bit, root_bits)
+    # never halfway: a root with 25 bits has a square of 49
+    rounded_up = (root_bits >> 1) + (root_bits & 1)
     result = assembled(jnp.zeros_like(value, bool), (exponent >> 1) + BIAS, rounded_up)
     result = jnp.where(exponent_of(bits) == SPECIAL, value, result)
     return jnp.where(value < LEAST, jnp.float32(0), result)

@@ -13,10 +13,10 @@ from sjdsl.runtime.rows import on_last_axis
 
 
 def reached(blocked: Array, on_map: Array, first: Array | np.ndarray) -> Array:
-    """Returns which shape cells a lane reaches when some cells end lanes.
+    """Returns which cells of a shape are on the map and not behind a cell that ends their lane.
 
-    A cell isn't reached if one before it ends its lane. All cells are computed at once, on bits if
-    they fit into 32: a loop over cells would be a program many times as long.
+    All cells are computed at once, on bits if they fit into 32: a loop over cells would be a
+    program many times as long.
 
     Args:
       blocked: `[..., K]` bool, cells that are the last of their lane.
@@ -27,7 +27,7 @@ def reached(blocked: Array, on_map: Array, first: Array | np.ndarray) -> Array:
     ends = blocked & on_map
     cell = np.arange(starts.size)
     lane = np.cumsum(starts)
-    # [k, j]: j comes before k in its lane.
+    # [k, j]: whether j comes before k in the same lane.
     before = (lane[:, None] == lane) & (cell < cell[:, None])
     if starts.size > WIDTH:
         before = before.reshape((1,) * (ends.ndim - 1) + before.shape)

@@ -13,18 +13,18 @@ from sjdsl.runtime.varying import settled
 PACKED = 32  # agents up to which a GPU follows chains of movers in a few words of 32 bits
 
 
-def resolve(position: Array, target: Array, word: Array, exchange: bool = False) -> Array:
-    """Returns the cells after all agents have moved at once.
+def resolve(position: Array, target: Array, draws: Array, exchange: bool = False) -> Array:
+    """Returns the cells of all agents after they have moved at once.
 
-    Of several movers to one cell the one with the largest rank wins. Swaps are blocked unless
-    `exchange`. A mover whose target stays occupied stays. Following, and cycles of three or more,
-    are possible.
+    Of several movers to one cell the one with the largest rank wins. Two agents can't swap their
+    cells unless `exchange`. A mover whose target stays occupied stays. Following, and cycles of
+    three or more, are possible.
 
     Args:
       position: `[N]` int32, different cells, except that agents that are away have cell 0.
       target: `[N]` int32, the cell each agent wants, its position if it stays.
-      word: `[N]` uint32, one random number an agent; the rank is the number with its low 8 bits
-        replaced by the agent's id.
+      draws: `[N]` uint32, random; the rank of an agent is its draw with the low 8 bits replaced by
+        its number.
 
     Returns:
       `[N]` int32.
@@ -34,14 +34,10 @@ def resolve(position: Array, target: Array, word: Array, exchange: bool = False)
     if n == 1:
         return target
     if n > PACKED:
-        return _by_spreading(position, target, word, exchange)
-    return by_platform(
-        partial(_by_spreading, exchange=exchange),
-        partial(_by_walking, exchange=exchange),
-        position,
-        target,
-        word,
-    )
+        return _by_spreading(position, target, draws, exchange)
+    by_spreading = partial(_by_spreading, exchange=exchange)
+    by_walking = partial(_by_walking, exchange=exchange)
+    return by_platform(by_spreading, by_walking, position, target, draws)
 
 
 def _wishes(position: Array, target: Array, rank: Array) -> tuple[Array, Array, Array]:
@@ -52,8 +48,9 @@ def _wishes(position: Array, target: Array, rank: Array) -> tuple[Array, Array, 
       rank: `[N]` uint32.
 
     Returns:
-      `[N]` bool, who moves; `[N, N]` bool, entry i, j whether i moves to the cell of j; and
-      `[N, N]` bool, entry i, j whether j moves to the target of i and has a larger rank.
+      `[N]` bool, who wants to move;
+      `[N, N]` bool, entry i, j: whether i wants the cell on which j is;
+      `[N, N]` bool, entry i, j: whether j wants the cell that i wants, with a larger rank.
     """
     moving = target != position
     into = (target[:, None] == position[None, :]) & moving[:, None]
@@ -61,21 +58,26 @@ def _wishes(position: Array, target: Array, rank: Array) -> tuple[Array, Array, 
     return moving, into, has_target & (rank[None, :] > rank[:, None])
 
 
-def _by_walking(position: Array, target: Array, word: Array, exchange: bool) -> Array:
-    """The form for GPUs: each agent follows the chain of those it waits for, in a table of bits."""
+def _by_walking(position: Array, target: Array, draws: Array, exchange: bool) -> Array:
+    """The form for GPUs: each agent walks along the chain of those it waits for.
+
+    It moves unless somebody in the chain stays. Each agent's entry of a table has, in its lower
+    bits, the agent on whose cell it wants to go (itself if nobody is there), and above them whether
+    it stays for a reason of its own. The table is kept in a few words.
+    """
     n = position.shape[0]
-    index = jnp.arange(n, dtype=jnp.uint32)
-    moving, into, lost = _wishes(position, target, (word & jnp.uint32(0xFFFFFF00)) | index)
+    numbers = jnp.arange(n, dtype=jnp.uint32)
+    moving, into, loses = _wishes(position, target, (draws & jnp.uint32(0xFFFFFF00)) | numbers)
     if not exchange:
         into_mine = (target[None, :] == position[:, None]) & moving[None, :]
-        lost = lost | (into & into_mine)
+        loses = loses | (into & into_mine)
     # One sum for two values: in the low 8 bits the agent that is waited for, plus 1; above them the
     # number of reasons to stay.
-    waited_for = jnp.where(into, index[None, :] + 1, jnp.uint32(0))
-    reasons = jnp.where(lost, jnp.uint32(256), jnp.uint32(0))
+    waited_for = jnp.where(into, numbers[None, :] + 1, jnp.uint32(0))
+    reasons = jnp.where(loses, jnp.uint32(256), jnp.uint32(0))
     sums = sum_of(waited_for + reasons, axis=1)
-    bits = max(1, (n - 1).bit_length())
-    follows = jnp.where((sums & 255) == 0, index, (sums & 255) - 1)
+    bits = max(1, (n - 1).bit_length())  # of an agent's number
+    follows = jnp.where((sums & 255) == 0, numbers, (sums & 255) - 1)
     stays = ((sums >= 256) | ~moving).astype(jnp.uint32)
     stored = lax.optimization_barrier((follows | (stays << bits)).astype(jnp.uint8))
     entry = stored.astype(jnp.uint32)
@@ -85,7 +87,7 @@ def _by_walking(position: Array, target: Array, word: Array, exchange: bool) -> 
     for first in range(0, n, per_word):
         shifted = entry[first : first + per_word] << shifts[: n - first]
         table.append(sum_of(shifted))
-    agent = index
+    agent = numbers  # where in its chain each agent has come
     stuck = jnp.zeros(n, jnp.uint32)
     for _ in range(n):
         entry_of_agent = field(table, agent, bits + 1, per_word)
@@ -94,34 +96,41 @@ def _by_walking(position: Array, target: Array, word: Array, exchange: bool) -> 
     return jnp.where(stuck != 0, position, target)
 
 
-def _by_spreading(position: Array, target: Array, word: Array, exchange: bool) -> Array:
+def _by_spreading(position: Array, target: Array, draws: Array, exchange: bool) -> Array:
     """The form for CPUs: all who wait for somebody that stays are marked, until no more are."""
-    index = jnp.arange(position.shape[0], dtype=jnp.uint32)
-    moving, into, outranked = _wishes(position, target, (word & jnp.uint32(0xFFFFFF00)) | index)
-    lost = ~moving | jnp.any(outranked if exchange else outranked | (into & into.T), axis=1)
-    lost = _spread(into, lost)
-    return jnp.where(lost, position, target)
+    numbers = jnp.arange(position.shape[0], dtype=jnp.uint32)
+    moving, into, loses = _wishes(position, target, (draws & jnp.uint32(0xFFFFFF00)) | numbers)
+    if not exchange:
+        loses = loses | (into & into.T)
+    stays = _with_waiting(into, ~moving | jnp.any(loses, axis=1))
+    return jnp.where(stays, position, target)
 
 
-def _spread(into: Array, lost: Array) -> Array:
-    """Returns `lost` and all who wait, directly or through others, for one of them: `[N]` bool."""
-    n = lost.shape[0]
+def _with_waiting(into: Array, stays: Array) -> Array:
+    """Returns who stays, and who waits for one of them, directly or through others: `[N]` bool.
+
+    Args:
+      into: `[N, N]` bool, entry i, j: whether i waits for j.
+      stays: `[N]` bool.
+    """
+    n = stays.shape[0]
     if n > 31:
 
-        def spread_once(_: int, out: Array) -> Array:
-            return out | jnp.any(into & out[None, :], axis=1)
+        def spread_once(_: int, stays: Array) -> Array:
+            return stays | jnp.any(into & stays[None, :], axis=1)
 
-        spread: Array = lax.fori_loop(0, n, spread_once, settled(partial(spread_once, 0), lost))
+        spread: Array = lax.fori_loop(0, n, spread_once, settled(partial(spread_once, 0), stays))
         return spread
+    # The same with sets of agents as bits of one number.
     bit = jnp.uint32(1) << jnp.arange(n, dtype=jnp.uint32)
-    waits = jnp.sum(jnp.where(into, bit[None, :], jnp.uint32(0)), axis=1, dtype=jnp.uint32)
-    stays = jnp.sum(jnp.where(lost, bit, jnp.uint32(0)), dtype=jnp.uint32)
+    waits_for = jnp.sum(jnp.where(into, bit[None, :], jnp.uint32(0)), axis=1, dtype=jnp.uint32)
+    staying = jnp.sum(jnp.where(stays, bit, jnp.uint32(0)), dtype=jnp.uint32)
 
-    def waiting(_: int, stays: Array) -> Array:
-        return stays | jnp.sum(
-            jnp.where((waits & stays) != 0, bit, jnp.uint32(0)), dtype=jnp.uint32
-        )
+    def spread_bits_once(_: int, staying: Array) -> Array:
+        waiting = jnp.where((waits_for & staying) != 0, bit, jnp.uint32(0))
+        return staying | jnp.sum(waiting, dtype=jnp.uint32)
 
-    stays = lax.fori_loop(0, n - 1, waiting, settled(partial(waiting, 0), stays))
-    result: Array = (stays & bit) != 0
+    start = settled(partial(spread_bits_once, 0), staying)
+    staying = lax.fori_loop(0, n - 1, spread_bits_once, start)
+    result: Array = (staying & bit) != 0
     return result

@@ -89,7 +89,11 @@ def over_neighbours(
 
 
 def _beside(numbers: np.ndarray, fields: Sequence[Array]) -> Iterator[tuple[Array, ...]]:
-    """Yields, for each cell of the shape, the index of it beside each cell, and its fields."""
+    """Yields for each cell of the shape the numbers of those cells around all, and their fields.
+
+    Args:
+      numbers: `[S, K]`, the table of `over_neighbours`; K cells of the shape.
+    """
     steps = _steps(numbers, len(fields[0]))
     if steps is None or len(fields[0]) != len(numbers):
         for column in map(jnp.asarray, numbers.T):
@@ -106,7 +110,7 @@ def _beside(numbers: np.ndarray, fields: Sequence[Array]) -> Iterator[tuple[Arra
 def _beside_some(
     numbers: np.ndarray, fields: Sequence[Array], around: Array
 ) -> Iterator[tuple[Array, ...]]:
-    """Yields what `_beside` does, for some cells."""
+    """Yields what `_beside` does, around some cells only."""
     size = len(fields[0])
     steps = _steps(numbers, size)
     padded = [jnp.concatenate([values, values[:1]]) for values in fields]  # an entry for `size`
@@ -124,9 +128,10 @@ def _beside_some(
 
 
 def _steps(numbers: np.ndarray, size: int) -> list[int] | None:
-    """Returns the difference of indices between a cell and each cell of the shape beside it.
+    """Returns, for each cell of the shape, its number minus that of the cell in the middle.
 
-    It is None if one of these isn't the same for all cells, or is larger than the number of cells.
+    It is None if such a difference isn't the same around all cells, or is larger than the number of
+    cells.
     """
     if numbers.shape[1] > 32:
         return None

@@ -208,21 +208,27 @@ def destination(
 
 
 def _expanded(moves: Moves, reached: Array, enterable: Array) -> Array:
-    """Returns the boards `[K, P, H, L]` from which one move leads into what is reached."""
+    """Returns the boards `[K, P, H, L]` of places from which one move leads into what is reached.
+
+    reached: boards `[K, P, H, L]`, one for each heading if P is 4. A step comes from the cell
+    behind, a turn from the same cell with another heading.
+    """
     width = moves.open.shape[1]
-    planes = reached.shape[1]
+    headings = reached.shape[1]  # 1 if they don't matter
     entered = reached & enterable[:, None]
 
     move_back = wrapped if moves.wraps else shifted
     boards = []
-    for plane in range(planes):
-        union = jnp.zeros_like(reached[:, plane])
+    for heading in range(headings):
+        union = jnp.zeros_like(reached[:, heading])
         for turn, step in zip(moves.turns, moves.steps, strict=True):
             if step is not None:
-                direction = (plane * int(moves.relative) + step) % 4 if planes > 1 else step
+                direction = step
+                if headings > 1:
+                    direction = (heading * int(moves.relative) + step) % 4
                 rows, cols = DIRECTIONS[direction]
-                union = union | move_back(entered[:, plane], -rows, -cols, width)
-            elif planes > 1:
-                union = union | reached[:, (plane + turn) % 4]
+                union = union | move_back(entered[:, heading], -rows, -cols, width)
+            elif headings > 1:
+                union = union | reached[:, (heading + turn) % 4]
         boards.append(union)
     return jnp.stack(boards, axis=1)

@@ -1,4 +1,8 @@
-"""Random choices: picks members, places agents on free cells, brings them back, and forms pairs."""
+"""Random choices: picks members, places agents on free cells, brings them back, and forms pairs.
+
+A draw is a random uint32. Of n members, a draw d chooses number floor(d * n / 2^32), which `below`
+computes. Many kernels keep sets as bits: `bits.py`.
+"""
 
 from collections.abc import Callable
 from functools import partial, reduce
@@ -19,56 +23,57 @@ from sjdsl.runtime.rows import entries_in_bounds, on_last_axis
 from sjdsl.runtime.varying import either, settled
 
 
-def pick(member: Array, word: Array) -> tuple[Array, Array]:
-    """Returns one member, all equally likely: number floor(word * members / 2^32) of them.
+def pick(member: Array, draw: Array) -> tuple[Array, Array]:
+    """Returns one member of each set, all equally likely.
 
     Args:
-      member: `[..., S]` bool.
-      word: `[...]` uint32.
+      member: `[..., S]` bool, which of S candidates are members.
+      draw: `[...]` uint32, random.
 
     Returns:
-      `[...]` int32 its number among all S, and `[...]` bool whether there is a member at all.
+      `[...]` int32, its number among the candidates, undefined if there is no member; and `[...]`
+      bool, whether there is one.
     """
     packed = bits.pack(member)
-    number = bits.size_of_large_set(packed)
-    return bits.nth(packed, below(word, number)), number > 0
+    size = bits.size_of_large_set(packed)
+    return bits.nth(packed, below(draw, size)), size > 0
 
 
-def pick_of_set(members: Array, word: Array) -> tuple[Array, Array]:
+def pick_of_set(sets: Array, draw: Array) -> tuple[Array, Array]:
     """Returns what `pick` does, of sets kept as bits.
 
     Args:
-      members: `[...]` unsigned.
-      word: uint32 of that shape, or with more axes, for several draws from one set.
+      sets: `[...]` unsigned.
+      draw: uint32 of that shape, or with more axes, for several draws from one set.
     """
-    number = bits.size_of_set(members)
-    return bits.nth_bit(members, below(word, number)), jnp.broadcast_to(number > 0, word.shape)
+    size = bits.size_of_set(sets)
+    return bits.nth_bit(sets, below(draw, size)), jnp.broadcast_to(size > 0, draw.shape)
 
 
-def pick_of_large_set(members: Array, word: Array) -> tuple[Array, Array]:
+def pick_of_large_set(sets: Array, draw: Array) -> tuple[Array, Array]:
     """Returns what `pick_of_set` does, of sets kept as bits in several words: `[..., W]` uint32."""
-    number = bits.size_of_large_set(members)
-    return bits.nth(members, below(word, number)), jnp.broadcast_to(number > 0, word.shape)
+    size = bits.size_of_large_set(sets)
+    return bits.nth(sets, below(draw, size)), jnp.broadcast_to(size > 0, draw.shape)
 
 
-def pick_of_sets(members: Array, key: Array, draw: Callable[[Array], Array]) -> Array:
-    """Returns one agent of each of many sets, as a set; numbers are drawn only if they are needed.
+def pick_of_sets(members: Array, key: Array, draws_of: Callable[[Array], Array]) -> Array:
+    """Returns one agent of each of many sets, as a set; it draws only if it must.
 
-    The agents are those of `pick_of_set`. A set with one member needs no random number, since
-    floor(word * 1 / 2^32) is 0. For a batch, numbers are drawn if one of its environments needs
-    some. A second `vmap` around turns that choice back into a select.
+    The agents are those of `pick_of_set`. A set with one member needs no draw d, since
+    floor(d * 1 / 2^32) is 0. For a batch, all draw if one of its environments needs to. A second
+    `vmap` around turns that choice back into a select.
 
     Args:
       members: `[..., S]` unsigned, the sets as bits.
       key: two uint32 words.
-      draw: the key to the words, uint32 of the shape of `members`.
+      draws_of: the key -> a draw for each set, uint32 of the shape of `members`.
 
     Returns:
       `[..., S]` of the same dtype: sets of one agent, which `member_of` returns, or empty ones.
     """
 
     def chosen(members: Array, key: Array) -> Array:
-        agent, has_member = pick_of_set(members, draw(key))
+        agent, has_member = pick_of_set(members, draws_of(key))
         bit = members.dtype.type(1) << agent.astype(members.dtype)
         return jnp.where(has_member, bit, members.dtype.type(0))
 
@@ -97,16 +102,17 @@ def pick_of_sets(members: Array, key: Array, draw: Callable[[Array], Array]) -> 
     return result
 
 
-def member_of(one: Array) -> Array:
+def member_of(set_of_one: Array) -> Array:
     """Returns the agent of each set of one: `[...]` unsigned -> `[...]` int32.
 
     It is undefined for an empty set.
     """
-    return lax.population_count(one - 1).astype(jnp.int32)
+    lower_bits = set_of_one - 1  # as many as the agent's number
+    return lax.population_count(lower_bits).astype(jnp.int32)
 
 
 def _several(members: Array) -> Array:
-    """Returns whether some set has more than one member.
+    """Returns whether some set has more than one member: bool scalar.
 
     The sets without their lowest members are joined, row by row. XLA makes vector instructions of
     that, but of nothing along the last axis (docs/research/performance.md).
@@ -114,7 +120,8 @@ def _several(members: Array) -> Array:
     rows = in_rows(members)
     # The last row is as long as the others, so some sets are in two rows.
     rows[-1] = members[..., -rows[0].shape[-1] :]
-    joined = reduce(lambda one, other: one | other, [row & (row - 1) for row in rows])
+    without_lowest = [row & (row - 1) for row in rows]
+    joined = reduce(lambda one, other: one | other, without_lowest)
     while joined.ndim > 1:
         joined = lax.reduce(joined, joined.dtype.type(0), lax.bitwise_or, (0,))
     return jnp.any(joined != 0)
@@ -122,30 +129,30 @@ def _several(members: Array) -> Array:
 
 def choose(
     member: Array,
-    words: Array,
+    draws: Array,
     number: Array,
     key: Array | None = None,
     stream: int = 0,
     limit: Array | None = None,
 ) -> Array:
-    """Returns which members are picked when so many are, one after the other, none twice.
+    """Returns which members are picked when some are, one after the other, none twice.
 
-    With a limit, only those that also draw less than it.
+    With a limit, only those of them whose own draw is below it.
 
     Args:
-      member: `[..., S]` bool.
-      words: `[..., T]` uint32, one for each turn; `number` is never more than T while members are
-        left.
-      number: `[...]` int32.
-      key, stream: `[2]` uint32 and the stream of the draws, of which member i draws number i.
+      member: `[..., S]` bool, which of S candidates are members.
+      draws: `[..., T]` uint32, random, one for each turn; `number` is never more than T while
+        members are left.
+      number: `[...]` int32, how many are picked.
+      key, stream: `[2]` uint32, and a stream, of which candidate i draws number i.
       limit: uint32, of `random_bits.threshold`.
 
     Returns:
       `[..., S]` bool.
     """
-    if 0 in (member.shape[-1], words.shape[-1]):
+    if 0 in (member.shape[-1], draws.shape[-1]):
         return jnp.zeros(member.shape, bool)
-    chosen = _chosen(bits.pack(member), words, number, key, jnp.uint32(stream), limit)
+    chosen = _chosen(bits.pack(member), draws, number, key, jnp.uint32(stream), limit)
     return bits.unpack(chosen, member.shape[-1])
 
 
@@ -155,44 +162,45 @@ MOST_TURNS = 128  # turns that are unrolled
 @one_function
 def _chosen(
     packed: Array,
-    words: Array,
+    draws: Array,
     number: Array,
     key: Array | None,
     stream: Array,
     limit: Array | None,
 ) -> Array:
-    """Returns `choose` in the form that suits the device and the turns: `[..., W]` uint32."""
+    """Returns what `choose` does, of sets kept as bits: `[..., W]` uint32."""
 
     def passes(members: Array) -> Array:
-        """Returns which of some members pass, by their numbers, `[...]` or `[..., T]`."""
+        """Returns which members, `[...]` or `[..., T]` numbers, have a draw below the limit."""
         if key is None or limit is None:
             return jnp.asarray(True)
         return (random_bits_at(key, stream, members.astype(jnp.uint32)) >> 1) < limit
 
     one_by_one = partial(_chosen_turn_by_turn, passes)
     at_once = partial(_chosen_at_once, passes)
-    if words.shape[-1] > MOST_TURNS:
-        return one_by_one(packed, words, number)
-    return by_platform(one_by_one, at_once, packed, words, number)
+    if draws.shape[-1] > MOST_TURNS:
+        return one_by_one(packed, draws, number)
+    return by_platform(one_by_one, at_once, packed, draws, number)
 
 
 def _chosen_at_once(
-    passes: Callable[[Array], Array], packed: Array, words: Array, number: Array
+    passes: Callable[[Array], Array], packed: Array, draws: Array, number: Array
 ) -> Array:
     """The form for GPUs: each turn computes its member by itself.
 
     A turn draws a place among the members that earlier turns have left. Going back through these
     turns, it makes that a place among all members.
     """
-    words = lax.optimization_barrier(words)
-    all_members = [jnp.broadcast_to(word[..., None], words.shape) for word in bits.apart(packed)]
+    draws = lax.optimization_barrier(draws)
+    all_members = [jnp.broadcast_to(word[..., None], draws.shape) for word in bits.apart(packed)]
     total = reduce(lax.add, map(bits.size_of_set, all_members))
-    turn = on_last_axis(np.arange(words.shape[-1], dtype=np.int32), words.ndim)
-    place = below(words, total - turn)
-    for earlier_turn, word in reversed(list(enumerate(bits.apart(words)))):
-        is_earlier = turn > earlier_turn
-        passed = is_earlier & (place >= below(word[..., None], total - earlier_turn))
-        place = place + passed.astype(jnp.int32)
+    turn = on_last_axis(np.arange(draws.shape[-1], dtype=np.int32), draws.ndim)
+    place = below(draws, total - turn)
+    for earlier_turn, draw in reversed(list(enumerate(bits.apart(draws)))):
+        is_later = turn > earlier_turn
+        place_taken = below(draw[..., None], total - earlier_turn)
+        is_behind = is_later & (place >= place_taken)
+        place = place + is_behind.astype(jnp.int32)
     word_number, bit = bits.nth_of(all_members, place)
     member = word_number * bits.WIDTH + bit
     picked = (turn < jnp.minimum(number[..., None], total)) & passes(member)
@@ -200,28 +208,28 @@ def _chosen_at_once(
 
 
 def _chosen_turn_by_turn(
-    passes: Callable[[Array], Array], packed: Array, words: Array, number: Array
+    passes: Callable[[Array], Array], packed: Array, draws: Array, number: Array
 ) -> Array:
-    """The form for CPUs: as many turns as are taken."""
+    """The form for CPUs: a loop with as many turns as some set needs."""
     total = bits.size_of_large_set(packed)
     wanted = jnp.minimum(number, total)
 
-    def is_wanted(state: tuple[Array, Array, Array]) -> Array:
+    def has_turns_left(state: tuple[Array, Array, Array]) -> Array:
         turn, _, _ = state
         return jnp.any(turn < wanted)
 
-    def take(state: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
-        """Picks the next member of each set, and keeps it if it passes."""
-        turn, left, taken = state
-        word = lax.dynamic_index_in_dim(words, turn, axis=-1, keepdims=False)
-        member = bits.nth(left, below(word, total - turn))  # each turn before has taken one
+    def take_turn(state: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
+        """Picks the next member of each set, and keeps it if its draw is below the limit."""
+        turn, left, chosen = state
+        draw = lax.dynamic_index_in_dim(draws, turn, axis=-1, keepdims=False)
+        member = bits.nth(left, below(draw, total - turn))  # each turn before has taken one
         others = bits.without(left, member)
         picked = (turn < wanted) & passes(member)
-        return turn + 1, others, jnp.where(picked[..., None], taken | (left & ~others), taken)
+        return turn + 1, others, jnp.where(picked[..., None], chosen | (left & ~others), chosen)
 
     start = (jnp.int32(0), packed, jnp.zeros_like(packed))
-    _, _, taken = lax.while_loop(is_wanted, take, settled(take, start))
-    return taken
+    _, _, chosen = lax.while_loop(has_turns_left, take_turn, settled(take_turn, start))
+    return chosen
 
 
 LONG = 16_384  # agents times cells: with more, placing would be too long a program if unrolled
@@ -230,70 +238,71 @@ LONG = 16_384  # agents times cells: with more, placing would be too long a prog
 def place(
     cells: Array,
     free: Array | None,
-    words: Array,
+    draws: Array,
     position: Array,
     sent: Array,
-    own: Array | None = None,
+    fitting: Array | None = None,
 ) -> tuple[Array, Array]:
-    """Returns the places after agents are sent to cells.
+    """Returns the positions after some agents are sent to cells.
 
     In the order of their numbers each is sent to one of the cells that are still free and fit it,
     all equally likely.
 
     Args:
       cells: `[S]` int32, the destination.
-      free: `[S]` bool; None: all are.
-      words: `[N]` uint32, one for each agent.
-      position: `[N]` int32; sent: `[N]` bool.
-      own: `[N, S]` bool, which cells fit each agent; None: all do.
+      free: `[S]` bool, which of them are free; None: all are.
+      draws: `[N]` uint32, random, one for each agent.
+      position: `[N]` int32, before.
+      sent: `[N]` bool, who is sent.
+      fitting: `[N, S]` bool, which cells fit each agent; None: all do.
 
     Returns:
       `[N]` int32 new positions, and `[N]` bool who was placed (False also if no cell was left).
     """
     if cells.shape[0] == 0:
         return position, jnp.zeros_like(sent)
-    packed = bits.pack_all(cells.shape[0]) if free is None else bits.pack(free)
-    return _placed(cells, packed, own, words, position, sent)
+    free_bits = bits.pack_all(cells.shape[0]) if free is None else bits.pack(free)
+    return _placed(cells, free_bits, fitting, draws, position, sent)
 
 
 @one_function
 def _placed(
-    cells: Array, free: Array, own: Array | None, words: Array, position: Array, sent: Array
+    cells: Array, free: Array, fitting: Array | None, draws: Array, position: Array, sent: Array
 ) -> tuple[Array, Array]:
-    """Returns `place` in the form that suits the device and the sizes."""
-    agents = position.shape[0]
-    if agents > bits.WIDTH or agents * cells.shape[0] > LONG:
-        return _one_by_one(cells, free, own, words, position, sent)
-    return by_platform(_one_by_one, _unrolled, cells, free, own, words, position, sent)
+    """Returns what `place` does. free: as bits, `[W]` uint32."""
+    num_agents = position.shape[0]
+    if num_agents > bits.WIDTH or num_agents * cells.shape[0] > LONG:
+        return _one_by_one(cells, free, fitting, draws, position, sent)
+    return by_platform(_one_by_one, _unrolled, cells, free, fitting, draws, position, sent)
 
 
 def _one_by_one(
-    cells: Array, free: Array, own: Array | None, words: Array, position: Array, sent: Array
+    cells: Array, free: Array, fitting: Array | None, draws: Array, position: Array, sent: Array
 ) -> tuple[Array, Array]:
     """The form for CPUs: a loop with a turn for each agent that is sent; most steps send nobody."""
-    index = jnp.arange(position.shape[0], dtype=jnp.int32)
-    fitting = None if own is None else bits.pack(own)
+    numbers = jnp.arange(position.shape[0], dtype=jnp.int32)
+    fitting_bits = None if fitting is None else bits.pack(fitting)
 
-    def is_waiting(state: tuple[Array, Array, Array, Array]) -> Array:
+    def somebody_waits(state: tuple[Array, Array, Array, Array]) -> Array:
         waiting, _, _, _ = state
         return jnp.any(waiting)
 
     def place_one(state: tuple[Array, Array, Array, Array]) -> tuple[Array, Array, Array, Array]:
         """Places the first agent that waits on one of the cells left, if there is one."""
         waiting, free, position, placed = state
-        who = jnp.argmax(waiting).astype(jnp.int32)
-        possible = free if fitting is None else free & entries_in_bounds(fitting, who)
-        number = bits.size_of_large_set(possible)
-        cell = bits.nth(possible, below(entries_in_bounds(words, who), number))
-        is_placed = (index == who) & waiting & (number > 0)
-        others = bits.without(free, cell)
-        free = others if fitting is None else jnp.where(number > 0, others, free)
-        waiting = waiting & (index != who)
-        position = jnp.where(is_placed, entries_in_bounds(cells, cell), position)
+        agent = jnp.argmax(waiting).astype(jnp.int32)
+        possible = free if fitting_bits is None else free & entries_in_bounds(fitting_bits, agent)
+        num_possible = bits.size_of_large_set(possible)
+        site = bits.nth(possible, below(entries_in_bounds(draws, agent), num_possible))
+        is_placed = (numbers == agent) & waiting & (num_possible > 0)
+        others = bits.without(free, site)
+        free = others if fitting_bits is None else jnp.where(num_possible > 0, others, free)
+        waiting = waiting & (numbers != agent)
+        position = jnp.where(is_placed, entries_in_bounds(cells, site), position)
         return waiting, free, position, placed | is_placed
 
     start = (sent, free, position, jnp.zeros_like(sent))
-    _, _, position, placed = lax.while_loop(is_waiting, place_one, settled(place_one, start))
+    _, _, position, placed = lax.while_loop(somebody_waits, place_one, settled(place_one, start))
     return position, placed
 
 
@@ -302,37 +311,37 @@ FEW_WORDS = 4  # words of 32 cells: on so few, one kernel places all agents
 
 
 def _unrolled(
-    cells: Array, free: Array, own: Array | None, words: Array, position: Array, sent: Array
+    cells: Array, free: Array, fitting: Array | None, draws: Array, position: Array, sent: Array
 ) -> tuple[Array, Array]:
     """The form for GPUs: one agent after the other, on scalars that aren't written to memory."""
-    fitting = None if own is None else bits.pack(own)
-    agents = position.shape[0]
-    index = jnp.arange(agents, dtype=jnp.int32)
+    fitting_bits = None if fitting is None else bits.pack(fitting)
+    num_agents = position.shape[0]
+    numbers = jnp.arange(num_agents, dtype=jnp.int32)
     free_words = bits.apart(free)
-    stops = range(AT_ONCE - 1, agents - 1, AT_ONCE) if len(free_words) > FEW_WORDS else ()
+    stops = range(AT_ONCE - 1, num_agents - 1, AT_ONCE) if len(free_words) > FEW_WORDS else ()
     sent_bits = bits.as_bits(sent, jnp.uint32)
-    # Half a word for each agent: 1 + the number of its cell, 0 for none.
-    sites = [jnp.uint32(0) for _ in range(0, agents, 2)]
-    for who in range(agents):
+    # Half a word for each agent: 1 + the number of its cell among `cells`, 0 for none.
+    halves = [jnp.uint32(0) for _ in range(0, num_agents, 2)]
+    for agent in range(num_agents):
         possible = free_words
-        if fitting is not None:
-            fitting_words = bits.apart(fitting[who])
+        if fitting_bits is not None:
+            fitting_words = bits.apart(fitting_bits[agent])
             possible = [one & fit for one, fit in zip(free_words, fitting_words, strict=True)]
-        total = reduce(lax.add, map(bits.size_of_set, possible))
-        number, bit = bits.nth_of(possible, below(words[who], total))
-        is_placed = (((sent_bits >> who) & 1) != 0) & (total > 0)
+        num_possible = reduce(lax.add, map(bits.size_of_set, possible))
+        number, bit = bits.nth_of(possible, below(draws[agent], num_possible))
+        is_placed = (((sent_bits >> agent) & 1) != 0) & (num_possible > 0)
         taken = jnp.where(is_placed, jnp.uint32(1) << bit.astype(jnp.uint32), jnp.uint32(0))
         kept = lax.bitwise_not(taken)
         for place, word in enumerate(free_words):
             is_in_word = lax.eq(number, np.int32(place))
             free_words[place] = lax.select(is_in_word, lax.bitwise_and(word, kept), word)
-        site = jnp.where(is_placed, number * bits.WIDTH + bit + 1, 0).astype(jnp.uint32)
-        sites[who // 2] = sites[who // 2] | (site << (who % 2 * 16))
-        if who in stops:
-            free_words, sites = lax.optimization_barrier((free_words, sites))
+        half = jnp.where(is_placed, number * bits.WIDTH + bit + 1, 0).astype(jnp.uint32)
+        halves[agent // 2] = halves[agent // 2] | (half << (agent % 2 * 16))
+        if agent in stops:
+            free_words, halves = lax.optimization_barrier((free_words, halves))
     # They are stored, or the lane of each agent would compute them all.
-    sites = lax.optimization_barrier(sites)
-    site = bits.field(sites, index, 16, 2).astype(jnp.int32) - 1
+    halves = lax.optimization_barrier(halves)
+    site = bits.field(halves, numbers, 16, 2).astype(jnp.int32) - 1
     placed = site >= 0
     return jnp.where(placed, entries_in_bounds(cells, jnp.maximum(site, 0)), position), placed
 
@@ -341,12 +350,12 @@ def come_back(
     cells: Array,
     free: Array | None,
     back: Array,
-    words: Array,
-    turns: Array,
+    draws: Array,
+    heading_draws: Array,
     position: Array,
     heading: Array,
     away_facing: Array,
-    own: Array | None = None,
+    fitting: Array | None = None,
 ) -> tuple[Array, Array, Array]:
     """Returns the positions and headings after some agents come back, and who did.
 
@@ -354,16 +363,16 @@ def come_back(
 
     Args:
       back: `[N]` bool, who is due; who finds no cell stays away.
-      words, turns: `[N]` uint32, the random bits that cells and headings are drawn by.
-      heading: `[N]` integers.
+      draws, heading_draws: `[N]` uint32, random, for the cells and for the headings.
+      heading: `[N]` integers, before.
       away_facing: `[N]` int32, the heading each will have, ANY_HEADING or SAME_HEADING.
-      cells, free, position, own: as of `place`.
+      cells, free, position, fitting: as of `place`.
 
     Returns:
       `[N]` int32, `[N]` of the dtype of `heading`, and `[N]` bool.
     """
-    position, placed = place(cells, free, words, position, back, own)
-    facing = jnp.where(away_facing == ANY_HEADING, below(turns, 4), away_facing)
+    position, placed = place(cells, free, draws, position, back, fitting)
+    facing = jnp.where(away_facing == ANY_HEADING, below(heading_draws, 4), away_facing)
     facing = facing.astype(heading.dtype)
     facing = jnp.where(away_facing == SAME_HEADING, heading, facing)
     return position, jnp.where(placed, facing, heading), placed
@@ -372,29 +381,33 @@ def come_back(
 def pair(ranks: Array, alike: bool) -> Array:
     """Returns each left member's partner when pairs are taken in the order of their ranks.
 
+    A pair is taken if both members are still free.
+
     Args:
-      ranks: `[L, R]` uint32, 0 where the two are no pair; equal ranks: the earlier first.
-      alike: both sides are the same members, so one taken on one side is not free on the other.
+      ranks: `[L, R]` uint32, the greatest first, 0 where the two are no pair; of equal ranks the
+        smaller left number is first, then the smaller right number.
+      alike: whether both sides are the same members, so that one taken on one side is not free on
+        the other.
 
     Returns:
       `[L]` int32, R for those without a partner.
     """
-    right = ranks.shape[1]
-    everybody = jnp.broadcast_to(jnp.arange(right, dtype=jnp.int32)[None], ranks.shape)
-    return pair_reached(everybody, ranks, right, alike)
+    num_right = ranks.shape[1]
+    everybody = jnp.broadcast_to(jnp.arange(num_right, dtype=jnp.int32)[None], ranks.shape)
+    return pair_reached(everybody, ranks, num_right, alike)
 
 
 MOST_PAIRS = 16  # whose turns are unrolled
-FEW_PAIRS = 64  # pairs times turns up to which a GPU takes up each pair by itself
+FEW_PAIRS = 64  # pairs times turns up to which a GPU has each pair as three scalars
 
 
-def _paired_unrolled(reached: Array, ranks: Array, right: int, alike: bool, most: int) -> Array:
+def _paired_unrolled(reached: Array, ranks: Array, num_right: int, alike: bool, most: int) -> Array:
     """The form of `pair_reached` for GPUs: as many turns as there may be pairs.
 
     If pairs are few, each is a scalar, and none of these is written to memory.
     """
-    left = ranks.shape[0]
-    rows = jnp.arange(left, dtype=jnp.int32)
+    num_left = ranks.shape[0]
+    rows = jnp.arange(num_left, dtype=jnp.int32)
     ranks = lax.optimization_barrier(ranks)
     lefts = jnp.broadcast_to(rows[:, None], ranks.shape)
     are_few = ranks.size * most <= FEW_PAIRS
@@ -403,7 +416,7 @@ def _paired_unrolled(reached: Array, ranks: Array, right: int, alike: bool, most
     if are_few:
         scalars = [bits.apart(array.reshape(-1)) for array in pairs[0]]
         pairs = list(zip(*scalars, strict=True))
-    partner = jnp.full(left, right, jnp.int32)
+    partner = jnp.full(num_left, num_right, jnp.int32)
     for _ in range(most):
         if are_few:
             rank, a, b = reduce(_better, pairs)
@@ -448,34 +461,33 @@ def _gone(lefts: Array, rights: Array, a: Array, b: Array, alike: bool) -> Array
     return gone | (lefts == b) | (rights == a) if alike else gone
 
 
-def pair_reached(reached: Array, ranks: Array, right: int, alike: bool) -> Array:
+def pair_reached(reached: Array, ranks: Array, num_right: int, alike: bool) -> Array:
     """Returns what `pair` returns, from the few right members that each left member reaches.
 
     Args:
-      reached: `[L, K]` int32, numbers of right members, 0 .. right - 1 where the rank is not 0; one
-        may stand there twice.
-      ranks: `[L, K]` uint32, 0 where there is no pair; of equal ranks the smaller left number is
-        first, then the smaller right number.
-      right: number of right members.
-      alike: both sides are the same members, so one taken on one side is not free on the other.
+      reached: `[L, K]` int32, numbers of right members where the rank is not 0; one may stand there
+        twice.
+      ranks: `[L, K]` uint32, as of `pair`, 0 where there is no pair.
+      num_right: how many right members there are.
+      alike: as of `pair`.
 
     Returns:
-      `[L]` int32, `right` for those without a partner.
+      `[L]` int32, `num_right` for those without a partner.
     """
-    left = reached.shape[0]
-    if right == 0 or 0 in reached.shape:
-        return jnp.full(left, right, jnp.int32)
+    num_left = reached.shape[0]
+    if num_right == 0 or 0 in reached.shape:
+        return jnp.full(num_left, num_right, jnp.int32)
     if reached.shape[1] == 1 and not alike:
-        return _reached_at_once(reached[:, 0], ranks[:, 0], right)
-    most = min(left, right) // (2 if alike else 1)
-    in_turn = partial(_paired_in_turn, right=right, alike=alike)
+        return _reached_at_once(reached[:, 0], ranks[:, 0], num_right)
+    most = min(num_left, num_right) // (2 if alike else 1)
+    in_turn = partial(_paired_in_turn, num_right=num_right, alike=alike)
     if most > MOST_PAIRS:
         return in_turn(reached, ranks)
-    unrolled = partial(_paired_unrolled, right=right, alike=alike, most=most)
+    unrolled = partial(_paired_unrolled, num_right=num_right, alike=alike, most=most)
     return by_platform(in_turn, unrolled, reached, ranks)
 
 
-def _reached_at_once(reached: Array, ranks: Array, right: int) -> Array:
+def _reached_at_once(reached: Array, ranks: Array, num_right: int) -> Array:
     """Returns what `pair_reached` returns if each left member reaches one right member.
 
     Only those who reach the same one compete.
@@ -486,14 +498,14 @@ def _reached_at_once(reached: Array, ranks: Array, right: int) -> Array:
     is_earlier = rows[None] < rows[:, None]
     comes_first = has_more | (is_equal & is_earlier)
     outdone = any_of((reached[None] == reached[:, None]) & comes_first, axis=1)
-    return jnp.where((ranks > 0) & ~outdone, reached, right)
+    return jnp.where((ranks > 0) & ~outdone, reached, num_right)
 
 
-def _paired_in_turn(reached: Array, ranks: Array, right: int, alike: bool) -> Array:
+def _paired_in_turn(reached: Array, ranks: Array, num_right: int, alike: bool) -> Array:
     """The form of `pair_reached` for CPUs: as many turns as there are pairs."""
-    left = reached.shape[0]
-    rows = jnp.arange(left, dtype=jnp.int32)
-    numbers = rows[:, None] * right + reached
+    num_left = reached.shape[0]
+    rows = jnp.arange(num_left, dtype=jnp.int32)
+    numbers = rows[:, None] * num_right + reached  # of the pairs, in the order of equal ranks
 
     def has_pairs(state: tuple[Array, Array]) -> Array:
         ranks, _ = state
@@ -502,13 +514,13 @@ def _paired_in_turn(reached: Array, ranks: Array, right: int, alike: bool) -> Ar
     def take(state: tuple[Array, Array]) -> tuple[Array, Array]:
         """Takes the pair with the greatest rank, of equal ones the first, and removes its members."""
         ranks, partner = state
-        number = jnp.min(jnp.where(ranks == jnp.max(ranks), numbers, left * right))
-        a = number // right
-        b = number % right
+        number = jnp.min(jnp.where(ranks == jnp.max(ranks), numbers, num_left * num_right))
+        a = number // num_right
+        b = number % num_right
         gone = _gone(rows[:, None], reached, a, b, alike)
         return jnp.where(gone, jnp.uint32(0), ranks), jnp.where(rows == a, b, partner)
 
-    start = (ranks, jnp.full(left, right, jnp.int32))
+    start = (ranks, jnp.full(num_left, num_right, jnp.int32))
     _, partner = lax.while_loop(has_pairs, take, settled(take, start))
     return partner
 

@@ -63,6 +63,7 @@ def random_bits_at(key: Array, stream: int | Array, numbers: Array) -> Array:
 
 @one_function
 def _numbered(key: Array, stream: Array, numbers: Array) -> Array:
+    """Returns `random_bits_at`: a block has two numbers, the even and the odd one."""
     first, second = _threefry(key, stream, numbers >> 1)
     return jnp.where((numbers & 1) == 0, first, second)
 
@@ -72,7 +73,7 @@ def _threefry(key: Array, stream: Array, numbers: Array) -> tuple[Array, Array]:
     shape = (1,) * numbers.ndim
     k0, k1 = (word.reshape(shape) for word in jnp.split(key, 2))
     keys = (k0, k1, k0 ^ k1 ^ jnp.uint32(_PARITY))
-    # As wide as x1, so that all rounds are one function of the program.
+    # x0 is as wide as x1, so that all rounds are one function of the program.
     x0 = jnp.broadcast_to(stream + keys[0], numbers.shape)
     x1 = numbers + keys[1]
     for turn in range(ROUNDS):
@@ -86,6 +87,7 @@ def _threefry(key: Array, stream: Array, numbers: Array) -> tuple[Array, Array]:
 
 @one_function
 def _mixed(x0: Array, x1: Array, rotation: Array) -> tuple[Array, Array]:
+    """Returns the words after one round of threefry: an addition, a rotation, an exclusive or."""
     x0 = x0 + x1
     return x0, x0 ^ (x1 << rotation | x1 >> (jnp.uint32(32) - rotation))
 
@@ -123,49 +125,57 @@ def next_threshold(before: Array, probability: Array) -> Array:
 
 
 @one_function
-def below(word: Array, bound: Array | int) -> Array:
-    """Returns floor(word * bound / 2^32), int32: uniform below bounds of up to 65,535."""
+def below(draw: Array, bound: Array | int) -> Array:
+    """Returns floor(draw * bound / 2^32), int32: a random number below the bound.
+
+    Args:
+      draw: any shape, uint32. bound: at most 65,535, so that no product leaves 32 bits.
+    """
     n = jnp.asarray(bound, jnp.uint32)
-    upper_half = word >> 16
-    lower_half = word & 0xFFFF
+    upper_half = draw >> 16
+    lower_half = draw & 0xFFFF
     upper = upper_half * n
     carried = (lower_half * n) >> 16
     return ((upper + carried) >> 16).astype(jnp.int32)
 
 
-def dealt_values(words: Array, number: int) -> Array:
-    """Returns different whole numbers below `number` for the last axis of random numbers, int32.
+def dealt_values(draws: Array, number: int) -> Array:
+    """Returns different whole numbers below `number`, as many as there are draws: int32.
 
-    Entry i takes that at place i + floor(word * (number - i) / 2^32) of the list 0 .. number - 1,
-    and swaps it with that at place i: a Fisher-Yates shuffle, of which the first entries are kept.
-    Swaps of few entries are followed one by one, which needs no loop when it runs; the time to
-    compile that grows with the square of their number.
+    It is a Fisher-Yates shuffle of the list 0 .. number - 1, of which the first entries are kept:
+    entry i is swapped with the entry at place i + floor(draw * (number - i) / 2^32).
+
+    Few swaps are followed one by one, without a list: the time to compile that grows with the
+    square of their number.
+
+    Args:
+      draws: `[..., K]` uint32, random.
     """
-    count = words.shape[-1]
+    count = draws.shape[-1]
     if count > MOST_UNROLLED:
-        return _dealt_in_a_loop(words, number)
-    places = [entry + below(words[..., entry], number - entry) for entry in range(count)]
+        return _dealt_in_a_loop(draws, number)
+    places = [entry + below(draws[..., entry], number - entry) for entry in range(count)]
     moved: list[Array] = []  # what stood at place i when entry i was drawn
     dealt = []
     for entry, place in enumerate(places):
         at_entry = jnp.full_like(place, entry)
         at_place = place
-        for earlier, content in zip(places, moved, strict=False):
-            at_entry = jnp.where(earlier == entry, content, at_entry)
-            at_place = jnp.where(earlier == place, content, at_place)
+        for earlier_place, content in zip(places, moved, strict=False):
+            at_entry = jnp.where(earlier_place == entry, content, at_entry)
+            at_place = jnp.where(earlier_place == place, content, at_place)
         moved.append(at_entry)
         dealt.append(at_place)
     return jnp.stack(dealt, axis=-1)
 
 
-def _dealt_in_a_loop(words: Array, number: int) -> Array:
+def _dealt_in_a_loop(draws: Array, number: int) -> Array:
     """Returns what `dealt_values` does, by a loop over the entries."""
-    count = words.shape[-1]
-    places = jnp.broadcast_to(jnp.arange(number), (*words.shape[:-1], number))
+    count = draws.shape[-1]
+    places = jnp.broadcast_to(jnp.arange(number), (*draws.shape[:-1], number))
 
     def swap(entry: Array | int, values: Array) -> Array:
         """Returns the list after the swap of one entry: `[..., number]`."""
-        place = (entry + below(words[..., entry], number - entry))[..., None]
+        place = (entry + below(draws[..., entry], number - entry))[..., None]
         at_place = jnp.take_along_axis(values, place, axis=-1)
         at_entry = values[..., entry][..., None]
         values = jnp.where(places == place, at_entry, values)
@@ -175,12 +185,12 @@ def _dealt_in_a_loop(words: Array, number: int) -> Array:
     return values[..., :count]
 
 
-def unit(word: Array) -> Array:
+def unit(draw: Array) -> Array:
     """Returns the upper 24 bits of random numbers as float32 in [0, 1): exact, equally likely."""
-    result: Array = (word >> 8).astype(jnp.float32) * jnp.float32(2.0**-24)
+    result: Array = (draw >> 8).astype(jnp.float32) * jnp.float32(2.0**-24)
     return result
 
 
-def ranks(word: Array, member: Array) -> Array:
-    """Returns the ranks of members, larger ones first, 0 for those that are none: uint32."""
-    return jnp.where(member, (word >> 1) + 1, jnp.uint32(0))
+def ranks(draw: Array, member: Array) -> Array:
+    """Returns a random rank from 1 to 2^31 for each member, 0 for those that are none: uint32."""
+    return jnp.where(member, (draw >> 1) + 1, jnp.uint32(0))

@@ -17,12 +17,13 @@ from jax import Array, lax
 from sjdsl.runtime.forms import by_platform
 
 Places = Array | tuple[Array | int, ...]
+# A GPU compares each entry with each writer; if there are more of them, a scatter is faster.
 MOST_WRITERS = 32
-MOST_COMPARISONS = 8192  # of an entry with a writer: more cost more than a scatter
+MOST_COMPARISONS = 8192
 
 
 def set_at(values: Array, places: Places, new: Any) -> Array:
-    """Returns values with new ones at some places.
+    """Returns `values.at[places].set(new)`: each entry of `places` is a writer of one entry.
 
     Args:
       values: any shape and dtype.
@@ -65,6 +66,7 @@ def add_to_entry(values: Array, number: int, amounts: Any, axis: int = -1) -> Ar
 
 
 def _is_entry(values: Array, number: int, axis: int) -> Array:
+    """Returns where the number along an axis is so: bool, of length 1 along the other axes."""
     along = jnp.arange(values.shape[axis], dtype=jnp.int32) == number
     shape = [1] * values.ndim
     shape[axis] = -1
@@ -87,8 +89,8 @@ def _written(
     new: Any,
 ) -> Array:
     """Returns what is written by one of two forms: see `set_at`."""
-    given = places if isinstance(places, tuple) else (places,)
-    numbers = tuple(map(jnp.asarray, given))
+    places = places if isinstance(places, tuple) else (places,)
+    numbers = tuple(map(jnp.asarray, places))
     writers = math.prod(np.broadcast_shapes(*(number.shape for number in numbers)))
     if writers == 0:
         return values
@@ -109,43 +111,41 @@ def _add_in_turn(values: Array, numbers: tuple[Array, ...], amounts: Any) -> Arr
 
 def _set_by_comparing(values: Array, numbers: tuple[Array, ...], new: Any) -> Array:
     """The form for GPUs."""
-    written = _places_of_writers(values, numbers)
+    is_written = _places_of_writers(values, numbers)
     if np.ndim(new) == 0:
-        somewhere = reduce(operator.or_, written)
-        return jnp.where(somewhere, jnp.asarray(new).astype(values.dtype), values)
-    for place, entry in zip(written, _entries(values, numbers, new), strict=True):
-        values = jnp.where(place, entry, values)
+        by_any = reduce(operator.or_, is_written)
+        return jnp.where(by_any, jnp.asarray(new).astype(values.dtype), values)
+    for by_one, entry in zip(is_written, _entries(values, numbers, new), strict=True):
+        values = jnp.where(by_one, entry, values)
     return values
 
 
 def _add_by_comparing(values: Array, numbers: tuple[Array, ...], amounts: Any) -> Array:
     """The form for GPUs."""
-    written = _places_of_writers(values, numbers)
-    for place, amount in zip(written, _entries(values, numbers, amounts), strict=True):
-        values = values + jnp.where(place, amount, jnp.zeros((), values.dtype))
+    is_written = _places_of_writers(values, numbers)
+    for by_one, amount in zip(is_written, _entries(values, numbers, amounts), strict=True):
+        values = values + jnp.where(by_one, amount, jnp.zeros((), values.dtype))
     return values
 
 
 def _places_of_writers(values: Array, numbers: tuple[Array, ...]) -> list[Array]:
-    """Returns where each writer writes: bool, of the shape of the values."""
+    """Returns for each writer where it writes: bool, of the shape of the values."""
     shape = np.broadcast_shapes(*(number.shape for number in numbers))
-    by_axis = []  # of each axis, of each writer: where its number along that axis is
+    matches_by_axis = []  # for each axis and writer: where the number along it is the writer's
     for axis, number in enumerate(numbers):
         along = lax.broadcasted_iota(jnp.int32, values.shape, axis)
         number = number.astype(jnp.int32)
         from_start = jnp.where(number < 0, number + values.shape[axis], number)
         of_writers = jnp.broadcast_to(from_start, shape).reshape(-1)
-        by_axis.append(
-            [along == lax.squeeze(one, (0,)) for one in jnp.split(of_writers, len(of_writers))]
-        )
-    return [reduce(operator.and_, of_writer) for of_writer in zip(*by_axis, strict=True)]
+        scalars = [lax.squeeze(one, (0,)) for one in jnp.split(of_writers, len(of_writers))]
+        matches_by_axis.append([along == scalar for scalar in scalars])
+    return [reduce(operator.and_, matches) for matches in zip(*matches_by_axis, strict=True)]
 
 
 def _entries(values: Array, numbers: tuple[Array, ...], new: Any) -> list[Array]:
     """Returns what each writer writes, with an axis of length 1 for each of the numbers."""
     shape = np.broadcast_shapes(*(number.shape for number in numbers))
-    entry = values.shape[len(numbers) :]
-    spread = jnp.broadcast_to(jnp.asarray(new).astype(values.dtype), (*shape, *entry))
-    flat = spread.reshape(-1, *entry)
-    parts = jnp.split(flat, len(flat))
-    return [part.reshape((1,) * len(numbers) + entry) for part in parts]
+    entry_shape = values.shape[len(numbers) :]
+    of_writers = jnp.broadcast_to(jnp.asarray(new).astype(values.dtype), (*shape, *entry_shape))
+    flat = of_writers.reshape(-1, *entry_shape)
+    return [one.reshape((1,) * len(numbers) + entry_shape) for one in jnp.split(flat, len(flat))]

@@ -52,24 +52,39 @@ class Episode:
         return self.moments[0].world.step + self.at
 
     def step(self, actions: list[int], params: Mapping[str, Value]) -> None:
-        """Takes a step from the moment that is shown, and drops the moments after it.
+        """Plays a step from the moment that is shown; the moment after it is shown then.
 
-        Raises TooLong or LeavesFloat32.
+        Moments that came after the one that was shown are dropped.
+
+        Args:
+          actions: the number of each agent's action.
+          params: the game's parameters by name.
+        Raises:
+          TooLong: no more moments are kept.
+          LeavesFloat32: a real of the game gets too large.
         """
-        if self.at + 1 >= LONGEST:
+        next_place = self.at + 1
+        if next_place >= LONGEST:
             raise TooLong(
                 f"the studio keeps {LONGEST} moments of an episode: go back, or begin it again"
             )
         before = self.now.world
         key = keys_of(self.seed).of_step(self.steps_taken)
-        world, outcome = step(self.game, before, actions, params, Threefry(*key))
-        number = before.step
-        trial = trial_of(self.game, before)
-        moment = Moment(number, key, world, (), tuple(actions), frozenset(), outcome, trial)
-        self.moments[self.at + 1 :] = [moment]
-        self.returns[self.at + 1 :] = [with_reward(self.returns[self.at], outcome)]
+        after, outcome = step(self.game, before, actions, params, Threefry(*key))
+        moment = Moment(
+            number=before.step,
+            key=key,
+            world=after,
+            turns=(),
+            actions=tuple(actions),
+            outcome=outcome,
+            trial=trial_of(self.game, before),
+        )
+        self.moments[next_place:] = [moment]
+        self.returns[next_place:] = [with_reward(self.returns[self.at], outcome)]
+        # This step doesn't follow the counterexample, even if the one that it replaces did.
         self.written = min(self.written, self.at)
-        self.at += 1
+        self.at = next_place
 
     def traced(self) -> Moment:
         """Returns the moment that is shown with an account of what led to it.

@@ -211,6 +211,7 @@ class English(Analysis[Phrase]):
         return _simple(f"{row.operand}[{key.text}]")
 
     def _arithmetic(self, e: ir.Arithmetic) -> Phrase:
+        """Returns a calculation: as a formula, `a × b`, or in words; a factor of 1 is left out."""
         parts = [fold(part, self) for part in e.args]
         if e.fn == "*":
             parts = [part for part in parts if part.text != "1"] or parts[:1]

@@ -25,7 +25,7 @@ KERNELS: dict[str, tuple[Callable[..., Any], tuple[Any, ...]]] = {
     "pair": (partial(placing.pair, alike=True), (WORDS.reshape(4, 10)[:, :4],)),
     "pair, many": (partial(placing.pair, alike=False), (jnp.outer(WORDS, WORDS),)),
     "pair reached": (
-        partial(placing.pair_reached, right=6, alike=False),
+        partial(placing.pair_reached, num_right=6, alike=False),
         (CELLS[:12].reshape(6, 2) % 6, WORDS[:12].reshape(6, 2)),
     ),
     "move, few": (

@@ -226,16 +226,26 @@ def learn_from_replay(
 def learn_from_rollout(
     learner: Learner, steps: Steps, key: Array, team: Team, packing: Packing, config: VDNConfig
 ) -> tuple[Learner, Metrics]:
-    """Takes `num_epochs * num_minibatches` gradient steps on half the squared error."""
+    """Returns the learner after `num_epochs * num_minibatches` gradient steps, and mean losses.
 
-    def take_minibatch(_: Any, indices: Array) -> Steps:
-        ordered = sorted_on_cpu(indices)
-        minibatch: Steps = jax.tree.map(lambda leaf: leaf[ordered], steps)
+    In each epoch the rollout's steps are divided at random into minibatches; the loss of one is
+    half the mean squared error of the team's value.
+
+    Args:
+      learner: the network's parameters and optimiser.
+      steps: all `T * B` steps of the rollout with their targets, observations packed.
+      key: of the division.
+    """
+
+    def minibatch_of(_: Any, step_numbers: Array) -> Steps:
+        """Returns the steps with these numbers, `[m]` int32; parameters are not needed."""
+        step_numbers = sorted_on_cpu(step_numbers)
+        minibatch: Steps = jax.tree.map(lambda leaf: leaf[step_numbers], steps)
         return replace(minibatch, observation=packing.unpack(minibatch.observation))
 
-    orders = draw_orders(key, 1, config)
-    orders = orders.reshape(-1, orders.shape[-1])
-    return take_gradient_steps(learner, orders, take_minibatch, team, weight=0.5)
+    divisions = draw_orders(key, 1, config)  # [1, epochs, minibatches, m] numbers of steps
+    minibatches = divisions.reshape(-1, divisions.shape[-1])
+    return take_gradient_steps(learner, minibatches, minibatch_of, team, weight=0.5)
 
 
 def take_gradient_steps(

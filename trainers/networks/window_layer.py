@@ -79,7 +79,7 @@ def _weigh_once(kernel: Array, tokens: Array, planes: Planes, dtype: Any) -> Arr
 
 
 def _taken(tokens: Array, places: list[int]) -> Array:
-    """Returns some planes of windows `[M, P, V, V]`."""
+    """Returns the planes at some places of windows `[M, P, V, V]`."""
     return jnp.concatenate([tokens[:, place : place + 1] for place in places], axis=1)
 
 
@@ -114,6 +114,7 @@ def _with_transpose(function: Linear, transpose: Linear) -> Linear:
 
 
 def _weigh(kernel: Array, tokens: Array, planes: Planes) -> Array:
+    """Returns what `weigh` does: by lookups on a CPU, as a product elsewhere."""
     result: Array = jax.lax.platform_dependent(
         tokens,
         kernel,
@@ -135,6 +136,7 @@ def _transpose(gradient: Array, tokens: Array, planes: Planes) -> Array:
 
 
 def _multiply(tokens: Array, kernel: Array, planes: Planes, multiple: int = 1) -> Array:
+    """Computes `weigh` as a product; `multiple`: of the rows of its matrices, see `ALIGNED`."""
     rows = jnp.pad(kernel, ((0, -kernel.shape[0] % multiple), (0, 0)))
     return _channels(tokens, planes, kernel.dtype, multiple) @ rows
 

@@ -37,34 +37,39 @@ POINTS = 1000  # of a learning curve, at most
 
 @dataclass
 class History:
-    """What is kept in memory of the rows written so far; the rows themselves aren't."""
+    """Totals over the rows written so far; the rows themselves are only on disk."""
 
     config: Config
-    updates: int = 0
-    seconds: float = 0.0  # that they took
-    # of the episodes that ended since the last stored policy, and their number
-    collective_return: float = 0.0
-    episodes: float = 0.0
-    best: float = -math.inf  # the best mean of such episodes
+    updates: int = 0  # the number of the last row's update
+    seconds: float = 0.0  # training time until then
+    # of the episodes that ended since a policy was last stored by its number
+    sum_of_returns: float = 0.0  # of collective returns
+    num_episodes: float = 0.0
+    best_mean: float = -math.inf  # the highest mean collective return between two such policies
     signs: Signs = field(default_factory=Signs)
-    warnings: list[str] = field(default_factory=list)
-    is_judged: bool = False  # whether the last row brought the warnings
+    warnings: list[str] = field(default_factory=list)  # that the run learns nothing
+    is_judged: bool = False  # whether the warnings were made at the last row
 
-    def count(self, row: Row) -> None:
-        """Takes note of a row."""
+    def add_row(self, row: Row) -> None:
+        """Adds the row of the next update to the totals, and makes the warnings when due.
+
+        Args:
+          row: `episodes` is how many episodes ended in the update, and `collective_return` their
+            mean, undefined if none ended.
+        """
         self.updates = row["update"]
         self.seconds = row["seconds"]
         if row["episodes"] > 0:
-            self.collective_return += row["episodes"] * row["collective_return"]
-            self.episodes += row["episodes"]
+            self.sum_of_returns += row["episodes"] * row["collective_return"]
+            self.num_episodes += row["episodes"]
         self.signs.count(row)
         self.is_judged = is_due(self.updates, self.config)
         if self.is_judged:
             self.warnings = list(self.signs.warnings(self.config))
 
     def recall(self, row: Row) -> None:
-        """Takes note of a row that was written before the run was stopped."""
-        self.count(row)
+        """Adds a row that was written before the run was stopped."""
+        self.add_row(row)
         if self.is_mark(row["update"]):
             self.close()
 
@@ -73,11 +78,17 @@ class History:
         return update % self.config.policy_updates == 0 or update == self.config.num_updates
 
     def close(self) -> bool:
-        """Starts again after a policy was stored; returns whether its episodes earned the most."""
-        mean = self.collective_return / self.episodes if self.episodes else -math.inf
-        is_best = mean > self.best
-        self.best = max(mean, self.best)
-        self.collective_return = self.episodes = 0.0
+        """Returns whether the episodes since the last stored policy have the best mean so far.
+
+        Afterwards no episodes are counted: a policy is stored now.
+        """
+        mean = -math.inf
+        if self.num_episodes:
+            mean = self.sum_of_returns / self.num_episodes
+        is_best = mean > self.best_mean
+        self.best_mean = max(mean, self.best_mean)
+        self.sum_of_returns = 0.0
+        self.num_episodes = 0.0
         return is_best
 
 
@@ -97,7 +108,7 @@ class Recorder:
     def append(self, row: Row) -> None:
         """Writes the row of an update."""
         self.metrics.append(row)
-        self.history.count(row)
+        self.history.add_row(row)
         self.log(row)
 
     def log(self, row: Row) -> None:

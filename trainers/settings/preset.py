@@ -152,20 +152,31 @@ def _resolve_stages(
     changes: Mapping[str, Any],
     place: str,
 ) -> Preset:
-    """Returns a preset with stages. tables, stages: later ones win. place: of the stages."""
-    loaded: list[Preset] = []
+    """Returns the last stage of a preset, which holds the earlier ones.
+
+    Args:
+      game: its name or file, None if any.
+      tables: the preset's settings for all stages; later tables win.
+      stages: the table of each stage, which wins over `tables`.
+      changes: settings that win over all tables. Only the first stage starts from the policy
+        `init_from`: each other stage starts from the policy of the stage before it.
+      place: where the stages are written, for messages: `mine.toml: stages`.
+    Raises:
+      ConfigError: a setting of a stage is wrong, or two stages can't follow each other.
+    """
+    resolved: list[Preset] = []
+    set_by_stages: set[str] = set()
+    changes_of_stage = dict(changes)
     for number, stage in enumerate(stages, 1):
-        of_stage = dict(changes)
-        if number > 1:
-            of_stage.pop("init_from", None)
         try:
-            loaded.append(_resolve(game, (*tables, stage), of_stage, ()))
+            resolved.append(_resolve(game, (*tables, stage), changes_of_stage, ()))
         except ConfigError as error:
             raise ConfigError(f"{place}[{number}]: {error}") from None
-    check_settings([stage.config for stage in loaded], place)
-    *earlier, last = loaded
-    of_stages = frozenset(name for stage in stages for name in _names_in(stage))
-    return replace(last, earlier=tuple(earlier), place=place, of_stages=of_stages)
+        set_by_stages.update(_names_in(stage))
+        changes_of_stage.pop("init_from", None)
+    check_settings([stage.config for stage in resolved], place)
+    *earlier, last = resolved
+    return replace(last, earlier=tuple(earlier), place=place, of_stages=frozenset(set_by_stages))
 
 
 def _resolve(
@@ -174,13 +185,19 @@ def _resolve(
     changes: Mapping[str, Any],
     asked: Collection[str],
 ) -> Preset:
-    """Returns a preset, or a stage of one. tables: later ones win."""
+    """Returns a preset without stages, or one stage of a preset.
+
+    Args:
+      tables: later ones win; changes: these win over all tables.
+      asked: those of `changes` that are refused if nothing reads them.
+    """
     values = _merge_settings(tables, changes)
     config = make_config(values, asked=asked)
     unread = set(config.unread)
-    own = {OWN + name for name, _ in config.own}
+    own_keys = {OWN + name for name, _ in config.own}
     for key in values:
-        if only_of_others(key, type(config)) or (key.startswith(OWN) and key not in own):
+        is_unknown_own = key.startswith(OWN) and key not in own_keys
+        if is_unknown_own or only_of_others(key, type(config)):
             unread.add(key)
     environment: Mapping[str, Any] = {}
     for table in tables:

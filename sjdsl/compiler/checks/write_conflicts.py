@@ -382,7 +382,10 @@ def _is_alone_by_keys(w: Write) -> bool:
 
 
 def _pair_of_side(quantifier: Quantifier, around: Sequence[Quantifier]) -> set[str]:
-    """Returns the names of a pair, if a quantifier is about a side of it; else none."""
+    """Returns {a, b} for `each agent as x in { a, b }` just inside a `match` of a and b; else none.
+
+    around: the quantifiers around it, outermost first.
+    """
     restriction = quantifier.domains[0].restriction
     if isinstance(restriction, ir.Among) and around:
         if isinstance(around[-1].statement, ir.Match):

@@ -153,9 +153,13 @@ def _first_gap(gaps: Key) -> str:
 
 
 def _close(e: ast.Case, keys: list[Key], rest: Key, lacking: errors.TableGap, scope: Scope) -> None:
-    """Gives the values that are left to `otherwise`.
+    """Gives the values that are left to the arm `otherwise`, by changing the last of `keys`.
 
-    It must be the last arm, with something left for it; without one, `lacking` is reported.
+    Reports an `otherwise` that isn't the last arm or that nothing is left for. Without one, it
+    reports `lacking` if something is left.
+
+    Args:
+      keys: of each arm its values, none for `otherwise`. rest: the values that are left.
     """
     open_arms = [arm for arm, key in zip(e.arms, keys, strict=True) if not key]
     if not open_arms:

@@ -66,7 +66,11 @@ def receiver(e: ast.Path, scope: Scope) -> ir.Expr:
 
 
 def give(s: ast.Give, scope: Scope) -> ir.Stmt:
-    """Returns a typed `give`."""
+    """Returns a typed `give`: to an agent, to a set of agents, to `all`, or to `all but` an agent.
+
+    Raises Poisoned if something in it is wrong, which has been reported. If its value is, mistakes
+    in its receiver are reported too.
+    """
     try:
         value = scope.number(s.value, ("reward",), "a reward")
     except Poisoned:
@@ -75,11 +79,11 @@ def give(s: ast.Give, scope: Scope) -> ir.Stmt:
         raise
     if not isinstance(s.receiver, ast.All):
         return ir.Give(value=value, receiver=receiver(s.receiver, scope), origin=s.span)
-    but = None
+    left_out = None
     if s.receiver.but is not None:
-        tree = ast.Path(s.receiver.but.span, s.receiver.but, ())
-        but = named_agent(scope.expression(tree), tree, scope)
-    return ir.Give(value=value, receiver=None, but=but, origin=s.span)
+        path = ast.Path(s.receiver.but.span, s.receiver.but, ())
+        left_out = named_agent(scope.expression(path), path, scope)
+    return ir.Give(value=value, receiver=None, but=left_out, origin=s.span)
 
 
 def declared_event(name: ast.Name, scope: Scope) -> ast.Event:

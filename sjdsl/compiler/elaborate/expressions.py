@@ -304,10 +304,10 @@ def _in_words(e: ast.Within, container: ast.Words, value: ir.Expr, scope: Scope)
 
 
 def count(d: ast.Domain, span: Span, scope: Scope, warns: bool = True) -> ir.Expr:
-    built, _ = domain(d, scope, warns)
-    return ir.Count(
-        type=integer(0, most_members(built, scope.static), "count"), domain=built, origin=span
-    )
+    """Returns `count(D)`. warns: whether a `where` that never holds is reported."""
+    members, _ = domain(d, scope, warns)
+    type_ = integer(0, most_members(members, scope.static), "count")
+    return ir.Count(type=type_, domain=members, origin=span)
 
 
 def quantified(e: ast.Quantified, scope: Scope) -> ir.Expr:
@@ -345,7 +345,10 @@ def total(e: ast.Total, scope: Scope) -> ir.Expr:
 
 
 def call(e: ast.Call, scope: Scope) -> ir.Expr:
-    """Returns a function applied to its arguments, or a `define` with arguments written out."""
+    """Returns `name(arguments)`: a function of the language, or a `define` with its body in place.
+
+    A `define` hides a function that came into the language later (`Function.yields`).
+    """
     name = e.name.text
     function = FUNCTIONS.get(name)
     if name in scope.static.defines and (function is None or function.yields):
@@ -368,6 +371,7 @@ def call(e: ast.Call, scope: Scope) -> ir.Expr:
 
 # The builders of calls, by the class of the node they build.
 def calculated(function: Function, e: ast.Call, scope: Scope) -> ir.Expr:
+    """Returns a function of numbers, such as `abs(x)`."""
     assert isinstance(function, Calculation)
     return calculation(function, e, e.arguments, scope)
 

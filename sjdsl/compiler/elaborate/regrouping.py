@@ -13,17 +13,17 @@ from sjdsl.compiler.elaborate.scope import Scope
 def add_regrouped(e: ast.Binary, scope: Scope) -> None:
     """Adds to the message about units inside a product how to write it, if dividing first helps."""
     diagnostics = scope.problems.diagnostics
-    for i, diagnostic in enumerate(diagnostics):
+    for place, diagnostic in enumerate(diagnostics):
         if _is_helpless_mismatch(diagnostic, e):
             suggested = next((tree for tree in _regrouped(e) if _has_units(tree, scope)), None)
             if suggested is not None:
                 help_ = f"divide first: `{_written(suggested, scope)}`"
-                diagnostics[i] = replace(diagnostic, help=help_)
+                diagnostics[place] = replace(diagnostic, help=help_)
             return
 
 
 def _regrouped(e: ast.Binary) -> Iterator[ast.Binary]:
-    """Yields the product with a quotient taken first, for each pair of factor and divisor."""
+    """Yields `b * (a / c)` for each factor a and divisor c of a product: a quotient is first."""
     factors, divisors = _parts(e)
     for divisor in divisors:
         for factor in factors[::-1]:
@@ -58,7 +58,7 @@ def _chain(factors: Sequence[ast.Expr], divisors: Sequence[ast.Expr]) -> ast.Bin
 
 
 def _has_units(e: ast.Binary, scope: Scope) -> bool:
-    """Returns whether the units of an expression mix, whatever else may be wrong with it."""
+    """Returns whether no units clash in an expression, whatever else may be wrong with it."""
     quiet = Problems()
     try:
         scope.but(problems=quiet).expression(e)

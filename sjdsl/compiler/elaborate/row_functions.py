@@ -16,7 +16,7 @@ NO_ORDER = "agents have no order: ask for one with `where`"
 def row_of_numbers(
     tree: ast.Expr, scope: Scope, wanted: str = "a row of numbers", help_: str = ""
 ) -> ir.Expr:
-    """Returns a row of numbers, or says that `wanted` is wanted."""
+    """Returns a row of numbers; reports anything else. wanted, help_: texts of that message."""
     row = scope.expression(tree)
     if len(row.type.indexed_by) != 1 or row.type.kind not in ("int", "real"):
         raise wrong_type(scope, tree, wanted, row.type, help_)
@@ -40,7 +40,7 @@ def beyond_one(type_: ir.Type) -> ir.Type:
 
 
 def lowest(function: Function, e: ast.Call, scope: Scope) -> ir.Expr:
-    """Returns `lowest(row)` or `highest(row)`."""
+    """Returns `lowest(row)` or `highest(row)`: the first or last key whose entry is positive."""
     row = row_of_numbers(e.arguments[0], scope)
     level = row.type.indexed_by[0]
     match level.kind:
@@ -55,7 +55,7 @@ def lowest(function: Function, e: ast.Call, scope: Scope) -> ir.Expr:
 
 
 def mix(_: Function, e: ast.Call, scope: Scope) -> ir.Expr:
-    """Returns `mix(row)`, of a row that is known not to be empty."""
+    """Returns `mix(row)`: each entry's share in the sum, which must be known to be positive."""
     row = row_of_numbers(e.arguments[0], scope)
     if row.type.low < 0:
         raise wrong_type(scope, e.arguments[0], "a row of numbers of at least 0", row.type)

@@ -67,6 +67,7 @@ def _written(game: Composition) -> list[ast.TrainOn | ast.HoldOut]:
 
 
 def _hold_out(split: ast.HoldOut, task: ir.Task, scope: Scope) -> ir.HoldOut:
+    """Returns a typed `hold out`; reports a condition that reads more than fields of the task."""
     name = split.name.text
     if name == task.name:
         raise scope.fail(errors.NameTaken(split.name.span, name=name, taken_by="the task"))

@@ -1,4 +1,8 @@
-"""Elaborates statements: from AST to typed IR."""
+"""Elaborates statements: from AST to typed IR.
+
+A statement's random stream is a hash of its header, its text up to its block, and of the headers of
+the statements around it (`streams.py`).
+"""
 
 from collections.abc import Sequence
 from contextlib import suppress
@@ -30,7 +34,10 @@ from sjdsl.compiler.ir.types import INTEGER_UNITS, integer, join_units, real, wo
 
 
 def block(b: ast.Block, scope: Scope, streams: Streams) -> tuple[ir.Stmt, ...]:
-    """Returns the statements of a block; `let` and `draw` bind to its end."""
+    """Returns the statements of a block, in which what `let` and `draw` name is known to its end.
+
+    One with a mistake, which is reported, is left out, and the next ones are read for their own.
+    """
     built: list[ir.Stmt] = []
     for statement in b.statements:
         try:
@@ -129,13 +136,14 @@ def _range_of_drawn(s: ir.Draw, scope: Scope) -> Range:
     """Returns the range of a real that is drawn between two numbers, as it is computed."""
     assert s.low is not None
     assert s.high is not None
-    low, high = map(to_float32, map(scope.computed_range, (s.low, s.high)))
+    low = to_float32(scope.computed_range(s.low))
+    high = to_float32(scope.computed_range(s.high))
     largest = max(low.largest, high.largest)
     return rounded(Range(low.low, high.high, terms=largest, sound=low.sound and high.sound))
 
 
 def _of_row(s: ast.Draw, by: ast.By, one: ir.Draw, scope: Scope) -> ir.Draw:
-    """Returns the draw of a row, each of whose entries is drawn as `one`."""
+    """Returns the draw of a row `by` something; `one` is the draw of a single entry."""
     if isinstance(by, ast.Words):
         _check_declared(by.names, scope)
     level = level_of(by, scope)
@@ -154,7 +162,7 @@ def _of_row(s: ast.Draw, by: ast.By, one: ir.Draw, scope: Scope) -> ir.Draw:
 
 
 def _refuse_unknown(bound: ir.Expr, scope: Scope) -> None:
-    """Reports an end of what different values are drawn from that isn't known when compiled."""
+    """Reports a bound of `draw different` that isn't known when the game is compiled."""
     quantity = "what different values are drawn from"
     for node in ir.walk(bound):
         if isinstance(node, ir.ParamRef):
@@ -163,7 +171,10 @@ def _refuse_unknown(bound: ir.Expr, scope: Scope) -> None:
 
 
 def check_deal(drawn: ir.Draw, span: Span, scope: Scope) -> None:
-    """Reports a row of different values that are no row, too many or too few."""
+    """Reports a draw of different values that is of no row, or of too many or too few values.
+
+    span: where it is reported.
+    """
     if drawn.by is None:
         wanted = "`by` and the entries of a row, which are all different"
         raise scope.expected(span, wanted, "one value")
@@ -347,7 +358,8 @@ def _number_picked(s: ast.Pick, scope: Scope) -> ir.Expr:
 def _domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain | None, Scope]:
     """Returns a domain and the scope inside it.
 
-    Of a wrong domain it returns only the scope, in which the block is read for its own mistakes.
+    Of a domain with a mistake it returns None, and a scope in which the block can be read for its
+    own mistakes. Raises Poisoned if not even its kinds are known.
     """
     try:
         return domain(d, scope)
@@ -369,9 +381,14 @@ def _domain(d: ast.Domain, scope: Scope) -> tuple[ir.Domain | None, Scope]:
 def other_branch(
     b: ast.Otherwise, header: str, scope: Scope, streams: Streams
 ) -> tuple[ir.Stmt, ...]:
-    """Returns what happens otherwise: a block, or one more `when` or `chance`."""
+    """Returns the statements of an `otherwise`: its block, or one more `when` or `chance`.
+
+    header: of the statement that it belongs to.
+    """
     streams = streams.inside(f"{header} otherwise")
-    return block(b, scope, streams) if isinstance(b, ast.Block) else (branched(b, scope, streams),)
+    if isinstance(b, ast.Block):
+        return block(b, scope, streams)
+    return (branched(b, scope, streams),)
 
 
 def match_(s: ast.Match, scope: Scope, streams: Streams) -> ir.Stmt:
@@ -391,9 +408,10 @@ def match_(s: ast.Match, scope: Scope, streams: Streams) -> ir.Stmt:
 
 
 def branched(s: ast.When | ast.Chance, scope: Scope, streams: Streams) -> ir.Stmt:
-    """Returns `when` or `chance` with all its branches.
+    """Returns `when a {} otherwise when b {} otherwise {}`, or of `chance`, as one statement.
 
-    A chain of `otherwise when`, or of `otherwise chance`, is one statement.
+    A branch of `when` is read knowing that those before it don't hold. A branch with a mistake is
+    left out, and its block is read for its own mistakes.
     """
     trees = _with_following(s)
     headers = [streams.header(tree.span, tree.block) for tree in trees]
@@ -422,7 +440,7 @@ def branched(s: ast.When | ast.Chance, scope: Scope, streams: Streams) -> ir.Stm
 
 
 def _with_following(s: ast.When | ast.Chance) -> list[ast.When | ast.Chance]:
-    """Returns the statements of a chain of `otherwise when`, or of `otherwise chance`."""
+    """Returns a statement and those that follow it by `otherwise` with the same keyword."""
     trees = [s]
     following = s.otherwise
     while isinstance(following, ast.When | ast.Chance) and isinstance(following, type(s)):
@@ -432,7 +450,10 @@ def _with_following(s: ast.When | ast.Chance) -> list[ast.When | ast.Chance]:
 
 
 def _branch(s: ast.When | ast.Chance, header: str, scope: Scope, streams: Streams) -> ir.Branch:
-    """Returns the first branch of a statement."""
+    """Returns a branch: the test and the block of a `when` or `chance`, without its `otherwise`.
+
+    header: of this branch, after those of the branches before it.
+    """
     if isinstance(s, ast.When):
         test = possible_condition(s.condition, scope)
         scope = scope.knowing([test])

@@ -24,7 +24,10 @@ def layout_free(source: Source, start: int, end: int) -> str:
 class Streams:
     """Hands out stream numbers for one use of a phase.
 
-    around: the headers of the statements around. pools: of sends, by destination.
+    label: of the use, such as `sprout(red)`. sources: the texts by file.
+    around: the headers of the statements around, which are their texts up to their blocks.
+    seen: how often each statement with its surroundings has been seen.
+    pools: of sends: the text of a destination -> its number.
     """
 
     label: str

@@ -10,7 +10,10 @@ SIDES = {"ahead": 9, "behind": 1, "left": 5, "right": 5}  # of a window, where t
 
 
 def window(game: Composition, scope: Scope) -> ir.Window:
-    """Returns what an observation covers: as far to each side as any view reaches."""
+    """Returns the window of observations, which reaches as far to each side as any of its views.
+
+    A view is a `window ... when CONDITION` of the game; the last one is that without a condition.
+    """
     plain = next((tree for tree in game.windows if tree.condition is None), None)
     usual = SIDES if plain is None else _sides(plain, SIDES, scope)
     origin = game.windows[0].span if game.windows else None

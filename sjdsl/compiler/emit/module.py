@@ -91,6 +91,7 @@ def _lines(groups: Iterable[list[str]]) -> list[str]:
 
 
 def _import(module: str, names: list[str]) -> str:
+    """Returns an import statement, on one line if it fits."""
     line = f"from {module} import {', '.join(names)}"
     if len(line) <= WIDTH:
         return line
@@ -98,6 +99,7 @@ def _import(module: str, names: list[str]) -> str:
 
 
 def _plane(plane: TokenPlane) -> list[str]:
+    """Returns the lines of a `TokenPlane(...)` in the list of the module's planes."""
     uniform = {"uniform": True} if plane.uniform else {}
     node = call(
         "TokenPlane",

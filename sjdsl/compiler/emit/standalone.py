@@ -13,7 +13,7 @@ ENVIRONMENT = "env"  # of which the environment at the end of the file is one
 
 
 def standalone(program: Program) -> str:
-    """Returns the file."""
+    """Returns the text of a Python file with the game, its environment and the kernels it calls."""
     names_by_module = {
         module.removeprefix(f"{RUNTIME}."): names for module, names in kernels(program).items()
     }

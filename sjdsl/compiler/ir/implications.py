@@ -281,9 +281,9 @@ def _claim(condition: ir.Expr) -> Claim:
 
 
 def _words_named(condition: ir.Expr) -> tuple[frozenset[str], ir.Expr | None]:
-    """Returns the enum values that x may have, and x.
+    """Returns {a, b} and x for `x in { a, b }`, and for `x is a or x is b`: x is one of these.
 
-    By `x is w`, `x in { … }` or several of these joined by `or`; None for any other condition.
+    No values and None for a condition of another form.
     """
     match condition:
         case ir.Named(value=value):

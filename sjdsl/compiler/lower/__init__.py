@@ -4,6 +4,26 @@
 
 Assumes a verified game; guarantees that every index stays in the padded frame and every draw has
 its stream.
+
+A statement of a game, which runs once for each member of the quantifiers around it (its
+*instances*), becomes array code for all instances at once:
+
+    each agent as zapper where zapper chose zap {      chose_zap = actions == ACTION_ZAP
+      each agent as victim in beam of zapper { ... }   victim_in_beam = chose_zap[:, None] & in_beam
+    }
+
+Words that all files here use:
+
+- axis: of a quantifier that loops, here `zapper` and `victim`. An array has the axes of the
+  quantifiers on which its value depends, in the order in which they were entered (`axes.Value`).
+- scope: what a statement sees of the quantifiers around it: their axes, their variables, and the
+  mask that says which instances happen (`scope.IterationScope`).
+- `w`: the writer of the function that is being generated. `w.keep(name, value)` writes
+  `name = value` into it and returns the value under that name; what is equal is written once.
+- frame: the map with padding around it. A cell of the frame is a number, row by row; cell 0 is no
+  cell of the map, and is where those stand who are away.
+- site: the number of a cell among all cells of a kind, which indexes the fields of that kind. It is
+  past the end for a cell of another kind, where writes are dropped.
 """
 
 import dataclasses
@@ -86,9 +106,9 @@ PHASE = (
 STAY = Name("STAY")
 
 
-def new_module(game: ir.Game) -> Module:
-    """Returns an empty module of a game, to write functions of."""
-    return Module(game, Layout(game), expressions.lower)
+def new_module(game: ir.Game, sources: Mapping[str, Source] | None = None) -> Module:
+    """Returns an empty module of a game, to write functions of. sources: as of `lower`."""
+    return Module(game, Layout(game), expressions.lower, sources or {})
 
 
 def lower(game: ir.Game, source: str, sources: Mapping[str, Source] | None = None) -> Program:
@@ -101,7 +121,7 @@ def lower(game: ir.Game, source: str, sources: Mapping[str, Source] | None = Non
     Raises:
       NotSupported: with a place, for what the program can't express exactly.
     """
-    module = Module(game, Layout(game), expressions.lower, sources or {})
+    module = new_module(game, sources)
     try:
         return _program(game, source, module)
     except NotSupported as refused:
@@ -175,13 +195,7 @@ def _turns(pools: Pools, module: Module) -> list[Turn]:
             function = _phase(turn, pools[turn.name], module)
         if function.body != (Return((STATE, OUT)),):
             lowered.append((turn, function))
-    phases = [(turn, function) for turn, function in lowered if isinstance(turn, ir.Phase)]
-    calls_of_phases = iter(share(phases))
-    calls = []
-    for turn, function in lowered:
-        is_phase = isinstance(turn, ir.Phase)
-        calls.append(next(calls_of_phases) if is_phase else Turn(function))
-    return calls
+    return share(lowered)
 
 
 def _facts(game: ir.Game, hash_: str, module: Module) -> tuple[Fact, ...]:
@@ -318,7 +332,7 @@ def _step(turns: list[Turn], module: Module) -> Function:
 
 def _shown_counts(w: Writer) -> dict[str, Expression]:
     """Returns the counts of the step by the attribute of State that agents see."""
-    game = w.module.game
+    game = w.game
     counts: dict[str, Expression] = {}
     shown = {(event.name, event.per_agent) for event in game.events if event.shown}
     for field in (*game.agents.fields, *game.fields):
@@ -353,7 +367,7 @@ def _phase(phase: ir.Phase, pools: tuple[Pool, ...], module: Module) -> Function
 def _all_marks(phase: ir.Phase, w: Writer) -> Expression:
     """Returns the cells that a phase marks, with zeros for statements that never happen."""
     parts: list[Expression] = list(w.marked)
-    missing = mark_size(phase, w.module.game) - sum(w.marked.values())
+    missing = mark_size(phase, w.game) - sum(w.marked.values())
     if missing:
         parts.append(zeros("i32", missing))
     if len(parts) == 1:

@@ -1,4 +1,8 @@
-"""Lowers `count`, `sum`, `min` and `max` over domains, with a fast form for neighbours of cells."""
+"""Lowers `count`, `sum`, `min` and `max` over domains.
+
+A domain adds an axis, over which the members are reduced. Some domains have a faster form: all
+cells of a kind, a set of agents kept as bits, and the cells around each cell.
+"""
 
 from math import isinf
 
@@ -32,7 +36,7 @@ from sjdsl.compiler.program.expressions import (
 
 LARGEST = 2**31 - 1  # of the whole numbers of the language
 MOST = 32  # cells of a shape: each is a few lines of the program that XLA compiles
-_PLAIN = (  # what may be computed of a neighbour in a function of its own
+_PLAIN = (  # expressions that the function which `over_neighbours` calls may contain
     ir.Number, ir.Word, ir.Truth, ir.ParamRef, ir.Member, ir.Local, ir.At, ir.Named, ir.FieldRead,
     ir.Arithmetic, ir.Compare, ir.Same, ir.InRange, ir.InWords, ir.Not, ir.Logic, ir.Case,
     ir.Narrowed,
@@ -42,12 +46,16 @@ _PLAIN = (  # what may be computed of a neighbour in a function of its own
 def is_over_neighbours(e: ir.Count | ir.Sum | ir.Extreme, scope: IterationScope, w: Writer) -> bool:
     """Returns whether `over_neighbours` can compute an aggregate.
 
-    Its domain is the cells of a small shape around each cell, and it reads plain fields of them.
+    It can if the domain is the cells of one kind in a small shape around each cell, and what is
+    computed of them reads plain fields of theirs: `sum(tree.height for tree in disc(2) of house)`.
     """
     d = e.domain
     if not isinstance(d.restriction, ir.Near) or d.var.entity_type.what != "cell":
         return False
-    if len(d.var.kinds) != 1 or w.parameters or e.type.kind != "int":
+    if len(d.var.kinds) != 1 or e.type.kind != "int":
+        return False
+    is_inside_another = bool(w.parameters)
+    if is_inside_another:
         return False
     anchor = scope.variables[d.restriction.anchor.name]
     if not isinstance(anchor, CellVar) or anchor.painted is not None:
@@ -56,17 +64,27 @@ def is_over_neighbours(e: ir.Count | ir.Sum | ir.Extreme, scope: IterationScope,
         return False
     if anchor.axis is None and scope.axes[0].size < state_reads.MANY:
         return False
-    roots = [] if isinstance(e, ir.Count) else [e.value]
+    return _reads_fields_of(d, e) and _num_cells(d.restriction, w) <= MOST
+
+
+def _reads_fields_of(d: ir.Domain, e: ir.Count | ir.Sum | ir.Extreme) -> bool:
+    """Returns whether an aggregate reads fields of its domain's cells, and all of it is plain."""
+    nodes: list[ir.Node] = []
+    if not isinstance(e, ir.Count):
+        nodes += ir.walk(e.value)
     if d.where is not None:
-        roots.append(d.where)
-    nodes = [node for root in roots for node in ir.walk(root)]
-    if not all(isinstance(n, _PLAIN) for n in nodes if isinstance(n, ir.Expression)):
-        return False
-    owners = [n.owner for n in nodes if isinstance(n, ir.FieldRead)]
-    if not any(isinstance(owner, ir.Member) and owner.name == d.var.name for owner in owners):
-        return False
-    shape = w.module.shape(d.restriction.shape)
-    return sum(map(len, shape.lanes)) <= MOST
+        nodes += ir.walk(d.where)
+    reads_field = False
+    for node in nodes:
+        if isinstance(node, ir.Expression) and not isinstance(node, _PLAIN):
+            return False
+        if isinstance(node, ir.FieldRead) and isinstance(node.owner, ir.Member):
+            reads_field = reads_field or node.owner.name == d.var.name
+    return reads_field
+
+
+def _num_cells(near: ir.Near, w: Writer) -> int:
+    return sum(map(len, w.module.shape(near.shape).lanes))
 
 
 def over_neighbours(
@@ -77,13 +95,17 @@ def over_neighbours(
 ) -> Value:
     """Returns a count, a sum or an extreme over the cells around each cell.
 
-    otherwise: what stands for no cell.
+        over_neighbours("sum", DISC_TREE, lambda tree, height: ..., state.tree_height)
+
+    The kernel calls the function for each cell of the shape: with the numbers of the cells there,
+    and with their fields that it reads.
+
+    otherwise: the value where there is no cell.
     """
     d = e.domain
     assert isinstance(d.restriction, ir.Near)
     anchor = scope.variables[d.restriction.anchor.name]
     assert isinstance(anchor, CellVar)
-    # The kernel calls a function of the cell beside each cell: its number, and what is read of it.
     table = neighbours_constant(d.restriction, anchor, d.var.kinds, w)
     number = w.fresh(d.var.name)
     w.parameters[number] = number
@@ -95,25 +117,27 @@ def over_neighbours(
     fold = "sum"
     value = inner.mask
     if not isinstance(e, ir.Count):
-        fold = REDUCTIONS[e.fn].array if isinstance(e, ir.Extreme) else "sum"
         value = select(inner.mask, as_dtype(w.value(e.value, inner), "i32"), otherwise)
-    _, *fields = w.parameters.items()
-    names = [parameter.identifier for _, parameter in fields]
-    body = Lambda((number.identifier, *names), spread(value, scope.axes))
-    w.names.taken.difference_update({number.identifier, *names})  # they mean nothing outside
+    if isinstance(e, ir.Extreme):
+        fold = REDUCTIONS[e.fn].array
+    # Reading fields in the function has made them its parameters, after the number.
+    stored_fields = [stored for stored in w.parameters if stored != number]
+    names = [parameter.identifier for parameter in w.parameters.values()]
+    function = Lambda(tuple(names), spread(value, scope.axes))
+    w.names.taken.difference_update(names)  # they mean nothing outside
     w.parameters.clear()
-    arguments = [fold, table, body, *(stored for stored, _ in fields)]
     around = {} if anchor.axis is not None else {"around": anchor.number.node}
-    return Value(call("over_neighbours", *arguments, **around), "i32", scope.axes)
+    node = call("over_neighbours", fold, table, function, *stored_fields, **around)
+    return Value(node, "i32", scope.axes)
 
 
 def count(e: ir.Count, scope: IterationScope, w: Writer) -> Value:
     """Returns how many members a domain has, with the axes of the surroundings it depends on."""
     if is_empty(e.domain, w):
         return literal(0, "i32")
-    quick = _whole_number(e.domain, w) or _size(e, scope, w) or _near(e, scope, w)
-    if quick is not None:
-        return quick
+    fast = _number_on_map(e.domain, w) or _size_of_set(e, scope, w) or _near(e, scope, w)
+    if fast is not None:
+        return fast
     name = _count_name(e.domain)
     if is_over_neighbours(e, scope, w):
         return w.keep(name, over_neighbours(e, scope, w))
@@ -148,8 +172,8 @@ def _count_name(d: ir.Domain) -> str:
             return f"num_{d.var.name}"
 
 
-def _whole_number(d: ir.Domain, w: Writer) -> Value | None:
-    """`count(water)`: a number that the map decides."""
+def _number_on_map(d: ir.Domain, w: Writer) -> Value | None:
+    """Returns `count(water)`, a constant: how many cells of a kind the map has."""
     if d.restriction or d.on or d.where or d.var.entity_type.what != "cell":
         return None
     return Value(w.module.num_cells(d.var.kinds), "i32")
@@ -192,24 +216,25 @@ def extreme(e: ir.Extreme, scope: IterationScope, w: Writer) -> Value:
 
 
 def _neutral(e: ir.Extreme, otherwise: Value | None, dtype: DType) -> Value:
-    """Returns what stands for those who are no members.
+    """Returns the value of those who are no members, which a `min` or `max` then never takes.
 
-    It is the value for none, if that yields to all others, else one that does.
+    otherwise: the result without members, which is taken as this value if it does.
     """
     is_min = REDUCTIONS[e.fn].nothing > 0
     if dtype == "f32":
         infinity = path("jnp.inf")
         return Value(infinity if is_min else Unary("-", infinity), "f32")
-    last = e.value.type.high if is_min else e.value.type.low
+    worst = e.value.type.high if is_min else e.value.type.low  # of members
     if otherwise is not None and otherwise.literal:
-        yields = otherwise.number >= last if is_min else otherwise.number <= last
-        if yields:
+        is_worse = otherwise.number >= worst if is_min else otherwise.number <= worst
+        if is_worse:
             return otherwise
-    bound = LARGEST if is_min else -LARGEST - 1
-    return literal(bound if isinf(last) else int(last), "i32")
+    if isinf(worst):
+        return literal(LARGEST if is_min else -LARGEST - 1, "i32")
+    return literal(int(worst), "i32")
 
 
-def _size(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
+def _size_of_set(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
     """Returns `count(agent in SET)`, if nobody is ever away: the number of bits of the set."""
     members = whole_set(e.domain, scope, w)
     if members is None:
@@ -220,19 +245,22 @@ def _size(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
 
 
 def _near(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
-    """Returns `count(K as other in disc(r) of k where …)`, if `where` is about `other` alone."""
+    """Returns `count(tree as other in disc(2) of tree where …)`, if that is about `other` alone.
+
+    The members are the same for all trees: a vector of bits, of which each tree masks those near.
+    """
     d = e.domain
     if not isinstance(d.restriction, ir.Near) or d.var.entity_type.what != "cell":
         return None
     anchor = scope.variables[d.restriction.anchor.name]
     if not isinstance(anchor, CellVar) or anchor.axis is None or anchor.painted is not None:
         return None
-    nodes = () if d.where is None else ir.walk(d.where)
-    names = {n.name for n in nodes if isinstance(n, ir.Member | ir.Local)}
-    if not names <= {d.var.name}:
-        return None
+    if d.where is not None:
+        for node in ir.walk(d.where):
+            if isinstance(node, ir.Member | ir.Local) and node.name != d.var.name:
+                return None
     shape = w.module.shape(d.restriction.shape)
-    masks = w.module.layout.near_table(anchor.kinds, shape, d.var.kinds)
+    masks = w.layout.near_table(anchor.kinds, shape, d.var.kinds)
     name = f"near_{shape_name(d.restriction.shape)}_{'_'.join(d.var.kinds)}"
     table = w.module.constant(name, masks, f"neighbours of each cell in {shape.name}, as bits")
     axis = w.axis(d.var.name, w.module.num_cells(d.var.kinds))

@@ -46,7 +46,7 @@ def _scope(forbid: ir.Forbid, axes: tuple[Axis, Axis], w: Writer) -> IterationSc
     scope = scope_of_agents(axes)
     if not forbid.names:
         return scope
-    action = action_named(w.module.game, forbid.action)
+    action = action_named(w.game, forbid.action)
     # The numbers of an action count its arguments up in mixed radix, the last argument fastest;
     # `rest` is the number of combinations of the arguments after this one.
     rest = len(action.numbers)

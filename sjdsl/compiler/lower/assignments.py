@@ -1,4 +1,14 @@
-"""Lowers `set` and `add`: by selection along an axis, by scatter at computed places, or by lot."""
+"""Lowers `set` and `add`.
+
+Where the instances of a statement are the entries of the field itself, in order, a new value is
+selected entry by entry:
+
+    each water where rusty { set water.state = clean }    jnp.where(rusty, CLEAN, state.water_state)
+
+Where they name entries by computed numbers, the value is scattered, past the end by instances that
+do not happen: `set_at(state.water_state, to_water, CLEAN)`. `set ... by lot` draws which of the
+instances that name one entry writes it. What is added is collected, and written when a phase ends.
+"""
 
 from collections import Counter
 from dataclasses import replace
@@ -60,9 +70,12 @@ MOST_TERMS = 2**19  # of an exact sum: `runtime/exact_reals.py`
 
 
 class Target(Record):
-    """One field that a statement writes.
+    """One field that a statement writes: `votes` of `a` at the key `yes` in `set a.votes[yes] = 1`.
 
-    who: whose it is, None for the world's. keys: of its row. scope: the instances that write.
+    declared: the declaration of the field. read: the expression that names the field.
+    who: the agents or cells whose field it is; None for a field of the world.
+    keys: of the entry in the field's row; none for the whole field.
+    scope: the instances that write.
     """
 
     declared: ir.VarField
@@ -77,16 +90,17 @@ class Target(Record):
 
     @property
     def owner_axes(self) -> Axes | None:
-        """The axis of those whose field it is, none for the world's.
+        """The axes of the stored field along which the instances write each entry once, in order.
 
-        None if they are computed numbers.
+        It is the axis of the owners, or no axis for a field of the world. None if the owners are
+        computed numbers, so that the value must be scattered.
         """
         if self.who is None:
             return ()
         return None if self.who.axis is None else (self.who.axis,)
 
     def key(self, w: Writer) -> Value | None:
-        """Returns the place of the entry of a row that is written; None for all of it."""
+        """Returns the place of the written entry in its row; None if the whole field is written."""
         if not self.keys:
             return None
         return row_key(self.keys[0], self.read.type.indexed_by[0], self.scope, w)
@@ -97,9 +111,10 @@ class Target(Record):
 
     @property
     def along(self) -> Axis | None:
-        """The axis that runs along the row that is written, one entry for each place.
+        """The axis of the instances along which they write each entry of a row once, in order.
 
-        None where entries are found one by one.
+        It is that of b in `each agent as a { each agent as b { set a.trust[b] = 1 } }`. None if the
+        key is any other expression.
         """
         axis = whole_axis(self.keys[0], self.scope) if self.keys else None
         if axis is None or self.owner_axes is None or axis in self.owner_axes:
@@ -118,94 +133,108 @@ def fields_of_several_lots(phase: ir.Phase) -> frozenset[tuple[str, str]]:
 
 
 def write_by_lot(stream: int, target: Target, value: Value, w: Writer) -> None:
-    """Writes one field, or an entry of a row, where the mask holds and the lot falls on it.
+    """Writes `set target = value by lot`: of the instances with one target, one writes.
 
-    Of the instances with one target, the one with the greatest rank writes. An earlier statement
-    by lot is overwritten where this one drew a greater rank.
+    Each instance draws a rank; the greatest of those with one target wins. If several statements of
+    the phase set the field by lot, all of their instances take part.
+
+    Args:
+      stream: of the ranks.
     """
     scope = target.scope
     who = target.who
     bits = random_bits(stream, scope, w) >> 1
-    rank = select(scope.mask, bits + 1, 0)
-    index = literal(0, "i32") if who is None else who.number
+    rank = select(scope.mask, bits + 1, 0)  # 0: does not take part
+    owner_number = literal(0, "i32") if who is None else who.number
     key = target.key(w)
-    axes = union(scope.axes, axes_of(index, rank, value, key))
-    at = _flat(select(scope.mask, index, 0), axes, "i32")
-    entry: Expression | None = None
+    # From here on, everything has one entry for each instance, on a single axis.
+    axes = union(scope.axes, axes_of(owner_number, rank, value, key))
+    owners = _flat(select(scope.mask, owner_number, 0), axes, "i32")
+    entries: Expression | None = None
     if key is not None:
-        entry = _flat(select(scope.mask, as_dtype(key, "i32"), 0), axes, "i32")
+        entries = _flat(select(scope.mask, as_dtype(key, "i32"), 0), axes, "i32")
     ranks = _flat(rank, axes, "u32")
-    place, extent = _lot_places(target, at, entry, w)
+    target_numbers, num_targets = _numbered_targets(target, owners, entries, w)
     if (target.read.held_by.what, target.read.name) in w.several_lots:
-        place = w.bind("place", place)
-        ranks = _outranking(target, place, w.bind("rank", ranks), extent, w)
-    won = w.bind("won", call("drawn_by_lot", place, ranks, extent))
+        target_numbers = w.bind("place", target_numbers)
+        ranks = _outranking(target, target_numbers, w.bind("rank", ranks), num_targets, w)
+    won = w.bind("won", call("drawn_by_lot", target_numbers, ranks, num_targets))
     current = w.current(target.attribute)
-    if who is None and entry is None:
-        drawn_first = reduction("argmax", won, (0,))
-        drawn = _values(value, target, axes, w)[drawn_first]
+    if who is None and entries is None:
+        winner = reduction("argmax", won, (0,))
+        drawn = _values(value, target, axes, w)[winner]
         w.assign(target.attribute, Where(reduction("any", won), drawn, current))
         return
     places: tuple[Expression, ...]
-    if who is None or entry is None:
-        places = (Where(won, place, scalar(extent, "i32")),)
+    if who is None or entries is None:
+        places = (Where(won, target_numbers, scalar(num_targets, "i32")),)
     else:
         past_the_end = scalar(w.module.extent(who.entity_type), "i32")
-        places = (Where(won, at, past_the_end), entry)
-    new = _values(value, target, axes, w, along_row=entry is None) if value.axes else value.node
+        places = (Where(won, owners, past_the_end), entries)
+    new = value.node
+    if value.axes:
+        new = _values(value, target, axes, w, along_row=entries is None)
     w.assign(target.attribute, written("set_at", current, places, new))
 
 
-def _lot_places(
-    target: Target, at: Expression, entry: Expression | None, w: Writer
+def _numbered_targets(
+    target: Target, owners: Expression, entries: Expression | None, w: Writer
 ) -> tuple[Expression, Expression]:
-    """Returns the number of each instance's target among all that it may have, and how many.
+    """Returns which target each instance writes, as a number, and how many targets there are.
 
-    Each entry of each row is one target.
+    A target is a field of one owner, or each entry of it if single entries are written.
+
+    Args:
+      owners, entries: the numbers of each instance's owner and entry, on a single axis.
     """
-    extent: Expression = Literal(1)
+    num_owners: Expression = Literal(1)
     if target.who is not None:
-        extent = w.module.extent(target.who.entity_type)
-    if entry is None:
-        return at, extent
+        num_owners = w.module.extent(target.who.entity_type)
+    if entries is None:
+        return owners, num_owners
     num_entries = target.num_entries(w)
     if target.who is None:
-        return entry, num_entries
-    return at * num_entries + entry, extent * num_entries
+        return entries, num_entries
+    return owners * num_entries + entries, num_owners * num_entries
 
 
 def _outranking(
     target: Target,
-    place: Expression,
+    target_numbers: Expression,
     ranks: Name,
-    extent: Expression,
+    num_targets: Expression,
     w: Writer,
 ) -> Name:
-    """Returns the ranks above those that earlier statements drew for a target, others as 0."""
+    """Returns the ranks, but 0 where an earlier statement of the phase drew a greater one.
+
+    Notes the best rank of each target for the statements after this one.
+    """
     best: Expression | None = w.best_ranks.get(target.attribute)
     if best is None:
-        best = zeros("u32", extent)
+        best = zeros("u32", num_targets)
     else:
-        ranks = w.bind("rank", call("outranking", place, ranks, best))
-    w.best_ranks[target.attribute] = w.bind("best", call("best_ranks", place, ranks, best))
+        ranks = w.bind("rank", call("outranking", target_numbers, ranks, best))
+    best_now = call("best_ranks", target_numbers, ranks, best)
+    w.best_ranks[target.attribute] = w.bind("best", best_now)
     return ranks
 
 
 def _values(
     value: Value, target: Target, axes: Axes, w: Writer, along_row: bool = False
 ) -> Expression:
-    """Returns the value of each instance, in the order of their numbers.
+    """Returns the value of each instance on a single axis, before those of one value.
 
-    along_row: whether one value that a whole row is set to gets a new axis.
+    along_row: whether one number to which a whole row is set gets an axis for the row.
     """
     type_ = target.read.type
-    levels = () if target.keys else type_.indexed_by
-    entries = tuple(map(w.module.num_entries, levels))
     set_extents = w.module.set_extents(type_)
-    if value.levels > len(set_extents):
-        return _flat(value, axes, value.dtype, (*entries, *set_extents))
+    levels = () if target.keys else type_.indexed_by
+    row_extents = tuple(map(w.module.num_entries, levels))
+    is_row = value.levels > len(set_extents)
+    if is_row:
+        return _flat(value, axes, value.dtype, (*row_extents, *set_extents))
     flat = _flat(value, axes, value.dtype, set_extents)
-    if along_row and entries and value.levels == len(set_extents):
+    if along_row and row_extents and value.levels == len(set_extents):
         return flat[:, None]
     return flat
 
@@ -216,30 +245,31 @@ def _flat(
     dtype: DType,
     inside: tuple[Expression, ...] = (),
 ) -> Expression:
-    """Returns a value for each instance, in the order of their numbers.
+    """Returns the values over all axes on a single one: `[I, *inside]` for I instances.
 
-    inside: extents of the value's own levels.
+    inside: the extents of one value, for its levels.
     """
     node = aligned(value, axes, value.levels)
     if value.literal:
         node = as_array(node, dtype)
-    full = Broadcast(node, (*(a.extent for a in axes), *inside))
-    return reshaped(full, -1, *inside)
+    extents = [axis.extent for axis in axes]
+    return reshaped(Broadcast(node, (*extents, *inside)), -1, *inside)
 
 
 def set_(s: ir.Set, scope: IterationScope, w: Writer) -> None:
     """Writes `set target = value`."""
-    with w.deciding(w.module.deciding.has_field(written_field(s.target))):
+    decides = w.module.deciding.has_field(written_field(s.target))
+    with w.deciding(decides):
         value = stored_value(s.value, s.target, scope, w)
-    reached = targets(s.target, scope, w)
-    if len(reached) > 1 and not value.literal:
+    fields = targets(s.target, scope, w)
+    if len(fields) > 1 and not value.literal:
         value = w.keep("written", value)
-    for target in reached:
-        kept = as_dtype(value, state_reads.storage(target.declared, w))
+    for target in fields:
+        stored = as_dtype(value, state_reads.storage(target.declared, w))
         if s.lot is not None:
-            write_by_lot(s.lot, target, kept, w)
+            write_by_lot(s.lot, target, stored, w)
         else:
-            _write(target, kept, w)
+            _write(target, stored, w)
 
 
 def stored_value(e: ir.Expr, target: ir.Expr, scope: IterationScope, w: Writer) -> Value:
@@ -264,17 +294,20 @@ def stored_value(e: ir.Expr, target: ir.Expr, scope: IterationScope, w: Writer) 
 
 
 def targets(target: ir.Expr, scope: IterationScope, w: Writer) -> list[Target]:
-    """Returns the fields a write reaches: one, or one for each kind of a group on the map."""
+    """Returns the fields that a write to an expression changes.
+
+    It is one field, except for a cell of a group of kinds: each kind has a field of its own.
+    """
     keys: tuple[ir.Expr, ...] = ()
-    while isinstance(target, ir.At):
-        keys = (target.key, *keys)
-        target = target.row
-    assert isinstance(target, ir.FieldRead)
     read = target
+    while isinstance(read, ir.At):
+        keys = (read.key, *keys)
+        read = read.row
+    assert isinstance(read, ir.FieldRead)
     who = None if read.owner is None else owner(read.owner, scope, w)
     if not isinstance(who, CellVar) or len(who.kinds) == 1:
         return [Target(w.module.field(read), who, keys, read, scope)]
-    layout = w.module.layout
+    layout = w.layout
     on_map = [kind for kind in who.kinds if layout.num_cells((kind,))]
     if len(on_map) > 1:  # the mask once for all kinds
         scope = replace(scope, mask=w.keep("active", scope.mask))
@@ -290,13 +323,14 @@ def targets(target: ir.Expr, scope: IterationScope, w: Writer) -> list[Target]:
 
 
 def _write(target: Target, value: Value, w: Writer) -> None:
-    """Writes one field where the scope's mask holds."""
+    """Writes a value to one field where the scope's mask holds: selected, or scattered."""
     owner_axes = target.owner_axes
     along = target.along
     key = target.key(w) if along is None else None
-    if owner_axes is None or (
-        key is not None and any(a.size > 1 for a in without(key.axes, owner_axes))
-    ):
+    if owner_axes is None:
+        _scatter(target, key, value, w)
+        return
+    if key is not None and any(axis.size > 1 for axis in without(key.axes, owner_axes)):
         _scatter(target, key, value, w)
         return
     dtype = state_reads.storage(target.declared, w)
@@ -304,42 +338,44 @@ def _write(target: Target, value: Value, w: Writer) -> None:
     before = Value(w.current(target.attribute), dtype, owner_axes, levels)
     if along is not None:
         before = unrolled(before, along)
+    # The statement may be inside quantifiers that the field has no axis for.
     mask = target.scope.mask
     lacking = without(target.scope.axes, before.axes)
-    reached = reduce("any", mask, lacking)
-    if reached == FALSE:
+    is_written = reduce("any", mask, lacking)
+    if is_written == FALSE:
         return
     value = _of_the_one(value, lacking, mask)
     if key is None:
-        after = _whole(before, reached, value)
+        after = _whole(before, is_written, value)
     else:
-        after = _entry(before, reached, _of_the_one(key, lacking, mask), target, value, w)
+        after = _entry(before, is_written, _of_the_one(key, lacking, mask), target, value, w)
     if after != before:
         node = after.node if along is None else rolled(after.node, before.axes, along)
         w.assign(target.attribute, node)
 
 
 def _of_the_one(value: Value, over: Axes, mask: Value) -> Value:
-    """Returns a value or key without axes of the scope that the target lacks.
+    """Returns the value or key of the one instance that writes, without the axes of `over`.
 
-    It is that of the one instance that writes. The value differs along them only if one instance
-    at most reaches each target (else the write is refused): they are lanes of shapes with one
-    lane, or `mask` holds for one instance at most.
+    These are the scope's axes that the target lacks. A value that differs along them is refused
+    unless at most one instance writes each target: then they have length 1, or `mask` holds for one
+    instance at most.
     """
-    gone = tuple(a for a in over if a in value.axes)
-    if not gone:
+    differing = tuple(axis for axis in over if axis in value.axes)
+    if not differing:
         return value
-    if any(a.size > 1 for a in gone):  # the sum is the value of the one instance that happens
+    if any(axis.size > 1 for axis in differing):
         assert mask != TRUE, over
+        # All but one instance add 0.
         number: DType = value.dtype if value.dtype in ("f32", "u32") else "i32"
         masked = select(mask, as_dtype(value, number), 0)
         return as_dtype(reduce("sum", masked, over), value.dtype)
-    keys = tuple(Literal(0) if a in gone else ALL for a in value.axes)
-    return replace(value, node=value.node[keys], axes=without(value.axes, gone))
+    keys = tuple(Literal(0) if axis in differing else ALL for axis in value.axes)
+    return replace(value, node=value.node[keys], axes=without(value.axes, differing))
 
 
 def _whole(before: Value, mask: Value, value: Value) -> Value:
-    """Returns the field with the value in its place."""
+    """Returns a field with the value wherever the mask holds."""
     if mask != TRUE:
         return select(mask, value, before)
     is_full = value.axes == before.axes and value.levels == before.levels
@@ -354,7 +390,7 @@ def _whole(before: Value, mask: Value, value: Value) -> Value:
 def _entry(
     before: Value, mask: Value, key: Value, target: Target, value: Value, w: Writer
 ) -> Value:
-    """Returns the rows of a field with the value in one entry of each."""
+    """Returns a field of rows with the value at the key's entry where the mask holds."""
     if key.literal:
         new = select(mask, value, taken(before, key.node, before.levels - 1))
         of_sets = {"axis": -2} if before.levels > 1 else {}
@@ -366,23 +402,27 @@ def _entry(
 
 
 def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None:
-    """Writes at computed places; instances that do not happen write past the end."""
+    """Writes a value where each instance says, at `[owner]`, `[entry]` or `[owner, entry]`.
+
+    Instances that do not happen write past the end, which is dropped.
+    """
     scope = target.scope
     if target.who is None:
         assert key is not None
-        index = as_dtype(key, "i32")
+        first = as_dtype(key, "i32")
         name = "to_entry"
         past_the_end = target.num_entries(w)
-        entry = None
+        second = None
     else:
-        index = target.who.number
+        first = target.who.number
         name = _place(target.who)
         past_the_end = w.module.extent(target.who.entity_type)
-        entry = key
-    # A place for each instance; an array drops what is written past its end.
-    axes = axes_of(index, scope.mask, value, entry)
-    at = w.keep(name, broadcast(select(scope.mask, index, past_the_end), axes)).node
-    places = (at,) if entry is None else (at, aligned(entry, axes))
+        second = key
+    axes = axes_of(first, scope.mask, value, second)
+    first_places = w.keep(name, broadcast(select(scope.mask, first, past_the_end), axes)).node
+    places: tuple[Expression, ...] = (first_places,)
+    if second is not None:
+        places = (first_places, aligned(second, axes))
     levels = w.module.levels(target.read.type) - (key is not None)
     new = aligned(value, axes, levels) if value.axes else value.node
     current = w.current(target.attribute)
@@ -390,7 +430,7 @@ def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None
 
 
 def _place(who: Variable) -> str:
-    """Returns the name of the numbers of those who are written to."""
+    """Returns the name, in generated code, of the numbers of those who are written to."""
     return "to_agent" if isinstance(who, AgentVar) else f"to_{'_'.join(who.kinds)}"
 
 
@@ -424,31 +464,31 @@ def _count_terms(target: Target, s: ir.Add, w: Writer) -> None:
 
 
 def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None:
-    """Collects the sums of a number over the instances.
+    """Collects what the instances of an `add` add to a field, summed for each of its entries.
 
-    is_exact: whether they are of reals as fixed-point numbers, whose digits are one more level.
+    is_exact: whether reals are summed as fixed-point numbers, whose digits are one more level.
     """
-    masked = select(target.scope.mask, value, 0)
+    terms = select(target.scope.mask, value, 0)
     key = target.key(w) if target.along is None else None
-    if key is not None:  # a row that has the value at the key's word and 0 elsewhere
-        axes = axes_of(masked, key)
+    if key is not None:  # a row that has the term at the key's entry and 0 elsewhere
+        axes = axes_of(terms, key)
         entries = w.axis("entry", target.num_entries(w))
-        entry = select(one_hot(key, entries), masked, 0)
-        masked = replace(entry, node=aligned(entry, (*axes, entries)), axes=axes, levels=1)
+        row = select(one_hot(key, entries), terms, 0)
+        terms = replace(row, node=aligned(row, (*axes, entries)), axes=axes, levels=1)
     if is_exact:
-        reals = scalar(masked.node, "f32") if masked.literal else masked.node
-        masked = Value(call("fixed_point", reals), "i32", masked.axes, masked.levels + 1)
+        reals = scalar(terms.node, "f32") if terms.literal else terms.node
+        terms = Value(call("fixed_point", reals), "i32", terms.axes, terms.levels + 1)
     if target.owner_axes is not None:
-        total = _total(target, target.owner_axes, masked, is_exact)
+        total = _total(target, target.owner_axes, terms, is_exact)
     else:
         assert target.who is not None
-        total = _scattered(target, target.who, masked, is_exact, w)
+        total = _scattered(target, target.who, terms, is_exact, w)
     sums = w.added.setdefault(target.attribute, [])
     sums.append(w.keep(f"{target.attribute}_added", total))
 
 
 def _total(target: Target, owner_axes: Axes, terms: Value, is_exact: bool) -> Value:
-    """Returns the sum of the terms for each member of `owner_axes`, the axes of a field."""
+    """Returns the sum of the terms for each owner, who are along the `owner_axes` of a field."""
     along = target.along
     kept = owner_axes if along is None else union(owner_axes, (along,))
     total = reduce("sum", terms, without(target.scope.axes, kept))
@@ -462,49 +502,49 @@ def _total(target: Target, owner_axes: Axes, terms: Value, is_exact: bool) -> Va
 
 
 def _scattered(target: Target, who: Variable, terms: Value, is_exact: bool, w: Writer) -> Value:
-    """Returns the sum of the terms for each agent or cell, which are at computed places."""
-    index = who.number
-    axes = axes_of(index, terms)
+    """Returns the sum of the terms for each owner, whom instances name by computed numbers."""
+    axes = axes_of(who.number, terms)
     total = reduce("sum", terms, without(target.scope.axes, axes))
     extent = w.module.extent(who.entity_type)
     levels = target.read.type.indexed_by
     none = zeros("f32" if is_exact else total.dtype, extent, *map(w.module.num_entries, levels))
     if is_exact:
         none = call("fixed_point", none)
-    sums = written("add_at", none, (spread(index, axes),), aligned(total, axes))
+    sums = written("add_at", none, (spread(who.number, axes),), aligned(total, axes))
     everybody = Axis(f"all of {target.attribute}", extent.size, 0)
     return Value(sums, total.dtype, (everybody,), len(levels) + is_exact)
 
 
 def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
-    """Adds agents to sets kept as bits: a table of who is added where, folded into bits."""
+    """Collects the agents that the instances of an `add` add to sets, which are kept as bits."""
     mask = target.scope.mask
     who = target.who
     member = w.value(s.value, target.scope)
     key = target.key(w)
-    index = member if who is None else who.number
-    axes = axes_of(index, member, key, mask)
-    # What is not added has a number past the end.
+    # The number that is past the end for instances that do not happen: the set's owner's, or in a
+    # set of the world that of the agent that is added.
+    number = member if who is None else who.number
     past_the_end = w.module.agents if who is None else w.module.extent(who.entity_type)
-    at = broadcast(select(mask, index, past_the_end), axes)
-    at = w.keep("member" if who is None else _place(who), at)
-    places: list[Expression] = []
+    axes = axes_of(number, member, key, mask)
+    masked_number = broadcast(select(mask, number, past_the_end), axes)
+    masked_number = w.keep("member" if who is None else _place(who), masked_number)
+    places: list[Expression] = []  # of the set to which each instance adds
     sizes: list[Literal] = []
     if who is not None:
-        places.append(at.node)
+        places.append(masked_number.node)
         sizes.append(past_the_end)
     if key is not None:
         places.append(aligned(key, axes))
         sizes.append(target.num_entries(w))
-    joining = target.scope.variables[s.value.name] if isinstance(s.value, ir.Member) else None
-    axis = None if joining is None else joining.axis
-    joins_once = axis in axes and all(a.size == 1 for a in axes if a != axis)
-    # To a set of the world: who is added at all. Where each instance adds a member of its own once:
-    # its bit is added to the set. Else a table of places and members is folded into bits.
+    axis = None
+    if isinstance(s.value, ir.Member):
+        axis = target.scope.variables[s.value.name].axis
+    adds_each_once = axis in axes and all(a.size == 1 for a in axes if a != axis)
     sets: Expression
     if who is None:
-        sets = _folded(places, at.node, sizes, w)
-    elif axis is not None and joins_once and not w.module.numbers_per_set:
+        sets = _folded(places, masked_number.node, sizes, w)
+    elif axis is not None and adds_each_once and not w.module.numbers_per_set:
+        # Each agent is added by one instance: the sum of their bits is the set.
         dtype = w.module.set_dtype
         bits = Value(scalar(Literal(1), dtype) << iota(axis, dtype).node, dtype, (axis,))
         sets = written("add_at", zeros(dtype, *sizes), tuple(places), aligned(bits, axes))
@@ -519,9 +559,12 @@ def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
 def _folded(
     places: list[Expression], member: Expression, sizes: list[Literal], w: Writer
 ) -> Expression:
-    """Returns the sets to which instances add an agent each, as bits.
+    """Returns the sets to which instances add an agent each, as bits, by way of a table of bools.
 
-    places: where each instance adds; sizes: how many places there are.
+    Args:
+      places: along each axis of the sets, which one each instance adds to; none for a single set.
+      member: the agent that each instance adds.
+      sizes: how long each axis of the sets is.
     """
     empty = zeros("bool", *sizes, w.module.agents)
     table = written("set_at", empty, (*places, member), Literal(True))
@@ -532,9 +575,9 @@ def _folded(
 
 
 def finish(w: Writer) -> None:
-    """Applies the sums of the phase, brings capped fields into their range, and joins sets."""
+    """Writes what the `add`s of a phase have collected: sums, clipped if capped, and sets."""
     for attribute, sums in w.added.items():
-        declared = next(f for f in all_fields(w.module.game) if attribute_name(f) == attribute)
+        declared = next(f for f in all_fields(w.game) if attribute_name(f) == attribute)
         stored_dtype = state_reads.storage(declared, w)
         dtype: DType = "i32" if declared.type.kind == "int" else "f32"
         node = as_dtype(Value(w.current(attribute), stored_dtype), dtype).node
@@ -558,7 +601,10 @@ def finish(w: Writer) -> None:
 def _combined(
     op: str, node: Expression, terms: list[Expression], attribute: str, w: Writer
 ) -> Expression:
-    """Returns a field together with sums or sets; many are combined step by step."""
+    """Returns `node op term op term ...`.
+
+    Of very many terms some are combined at a time, under the attribute's name.
+    """
     for number, term in enumerate(terms, 1):
         node = joined(op, node, term)
         if number % MOST_NESTED == 0:

@@ -70,11 +70,17 @@ def _operator(op: str) -> Callable[["Value", "Operand"], "Value"]:
 
 
 class Value(Record):
-    """An array that `node` computes.
+    """An expression of generated code that computes an array, with the names of its axes.
 
-    Its axes are `axes`, then `levels` more: those of the entries of rows and tables, and last that
-    of the numbers of large sets of agents. Operators align arrays by their axes. `==` says whether
-    two values are the same expression; `eq` and `ne` compare entry by entry.
+    `actions[:, None] == ACTION_ZAP` over the axes (zapper, victim) has shape `[N, 1]`: a value need
+    not be as long as an axis along which it is always the same. Operators align their operands by
+    the names of axes: `a + b` is over all axes that either has.
+
+    node: the expression. axes: of its first dimensions. levels: how many dimensions come after
+      them: one for each level of a row or table, and one more for sets of more than 32 agents,
+      which take several numbers.
+
+    `==` says whether two values are the same expression; `eq` and `ne` compare entry by entry.
     """
 
     node: Expression
@@ -186,9 +192,10 @@ def without(axes: Axes, others: Axes) -> Axes:
 
 
 def aligned(value: Value, axes: Axes, levels: int = 0) -> Expression:
-    """Returns a value with an axis of length 1 for each of `axes` and `levels` that it lacks.
+    """Returns the array of a value with a dimension for each of `axes`, and `levels` more.
 
-    Scalars stay scalars.
+    Those that it lacks have length 1, so that NumPy's broadcasting does the rest. Scalars stay
+    scalars.
     """
     if not value.axes and not value.levels:
         return value.node
@@ -208,39 +215,46 @@ def _keys(value: Value, axes: Axes) -> tuple[Slice | Literal, ...]:
 
 
 def indexed(node: Expression, keys: tuple[Expression | Slice, ...]) -> Expression:
-    """Returns entries of an array.
+    """Returns `node[keys]` in its simplest form.
 
-    A conversion is moved outside, and new axes are added to an array in one step.
+    Entries are taken before they are converted, and `x[:, None][:, :, None]` is `x[:, None, None]`.
     """
     if isinstance(node, Cast):
         return Cast(indexed(node.value, keys), node.dtype, node.source)
-    # `x[:, None][:, :, None]` is `x[:, None, None]`.
-    if isinstance(node, Index) and all(key in (ALL, NEW_AXIS) for key in node.keys):
-        outer = keys
-        if keys[0] == REST:
-            outer = (*[ALL] * len(node.keys), *keys[1:])
-        if all(key in (ALL, NEW_AXIS) for key in outer) and outer.count(ALL) == len(node.keys):
-            inner = iter(node.keys)
-            return Index(
-                node.value, tuple(next(inner) if key == ALL else NEW_AXIS for key in outer)
-            )
+    if isinstance(node, Index):
+        both = _keys_in_one(node.keys, keys)
+        if both is not None:
+            return Index(node.value, both)
     return Index(node, keys)
 
 
+def _keys_in_one(
+    first: tuple[Expression | Slice, ...], second: tuple[Expression | Slice, ...]
+) -> tuple[Expression | Slice, ...] | None:
+    """Returns the keys that do what `x[first][second]` does; None unless both only add axes."""
+    if second[0] == REST:
+        second = (*[ALL] * len(first), *second[1:])
+    adds_axes = all(key in (ALL, NEW_AXIS) for key in (*first, *second))
+    if not adds_axes or second.count(ALL) != len(first):
+        return None
+    unused = iter(first)
+    return tuple(next(unused) if key == ALL else NEW_AXIS for key in second)
+
+
 def spread(value: Value, axes: Axes) -> Expression:
-    """Returns a value broadcast to exactly these axes; a scalar over no axes stays one."""
+    """Returns the array of a value at the full length of exactly these axes."""
     if value.axes == axes:
         return value.node
     return Broadcast(aligned(value, axes), tuple(a.extent for a in axes))
 
 
 def broadcast(value: Value, axes: Axes) -> Value:
-    """Returns a value with exactly these axes."""
+    """Returns what `spread` does, as a value."""
     return replace(value, node=spread(value, axes), axes=axes)
 
 
 def called(kernel: str, *arguments: Value | Part, dtype: DType | None = None) -> Value:
-    """Returns a call of a function of arrays, which are aligned.
+    """Returns `kernel(*arguments)`, computed entry by entry; arguments are aligned first.
 
     dtype: of the result; that of the first argument if None.
     """
@@ -252,12 +266,12 @@ def called(kernel: str, *arguments: Value | Part, dtype: DType | None = None) ->
 
 
 def looked_up(table: Expression, key: Value, dtype: DType) -> Value:
-    """Returns entries of a table of the map or of the game."""
+    """Returns `table[key]`, where `table` is a constant of the module, of one dimension."""
     return Value(table[key.node], dtype, key.axes)
 
 
 def taken(value: Value, key: Expression, levels: int = 0) -> Value:
-    """Returns one entry of rows, the same for all. levels: of the entry."""
+    """Returns entry `key` of the first level of each row. levels: of the entry."""
     return replace(value, node=indexed(value.node, (*[ALL] * len(value.axes), key)), levels=levels)
 
 
@@ -321,7 +335,7 @@ def _folded(op: str, a: float, b: float, dtype: DType) -> Value | None:
 
 
 def joined(op: str, left: Expression, right: Expression) -> Expression:
-    """Returns an operation; a & (b & c) is (a & b) & c, and a + -1 is a - 1."""
+    """Returns `left op right`, with a & (b & c) as (a & b) & c, and a + -1 as a - 1."""
     match right:
         case Binary(op=inner) if inner == op and op in "&|":
             return Binary(op, joined(op, left, right.left), right.right)
@@ -383,33 +397,32 @@ def select(condition: Value, a: Operand, b: Operand) -> Value:
 
 
 def reduce(fn: OneOf["any", "all", "sum", "min", "max"], value: Value, over: Axes) -> Value:
-    """Returns `any`, `all`, `sum`, `min` or `max` over axes.
+    """Returns `any`, `all`, `sum`, `min` or `max` over axes; a sum of booleans counts them.
 
     A value without one of the axes is the same all along it, so its sum is multiplied.
     """
-    if value.literal and fn != "sum":
-        return value
-    # First the axes that the value has; then a sum counts the others.
-    result = value
-    gone = tuple(a for a in over if a in value.axes)
-    if gone and not value.literal:
-        places = tuple(value.axes.index(a) for a in gone)
-        is_whole = len(places) == len(value.axes) and not value.levels
-        counts = fn == "sum" and value.dtype == "bool"
-        dtype: DType = "i32" if counts else value.dtype
-        node = value.node
-        sum_dtype = None
-        if fn == "sum":
-            node = summed(node, dtype)
-            if not counts:
-                sum_dtype = dtype
-        node = reduction("count" if counts else fn, node, None if is_whole else places, sum_dtype)
-        result = Value(node, dtype, tuple(a for a in value.axes if a not in gone), value.levels)
+    has = () if value.literal else tuple(axis for axis in over if axis in value.axes)
+    result = _reduced(fn, value, has) if has else value
     if fn != "sum":
         return result
     if result.dtype == "bool":
         result = as_dtype(result, "i32")
-    return result * prod(a.size for a in over if a not in value.axes)
+    return result * prod(axis.size for axis in over if axis not in value.axes)
+
+
+def _reduced(fn: OneOf["any", "all", "sum", "min", "max"], value: Value, over: Axes) -> Value:
+    """Returns the reduction of a value over axes that it has."""
+    axes = without(value.axes, over)
+    places: tuple[int, ...] | None = tuple(value.axes.index(axis) for axis in over)
+    if not axes and not value.levels:
+        places = None  # all there are
+    if fn != "sum":
+        return replace(value, node=reduction(fn, value.node, places), axes=axes)
+    if value.dtype == "bool":
+        node = reduction("count", summed(value.node, "i32"), places)
+        return replace(value, node=node, dtype="i32", axes=axes)
+    node = reduction("sum", summed(value.node, value.dtype), places, value.dtype)
+    return replace(value, node=node, axes=axes)
 
 
 def summed(node: Expression, dtype: DType) -> Expression:

@@ -38,11 +38,14 @@ HIDDEN = "hidden"
 class Look(Record):
     """How cells of one kind look.
 
-    painted: its painted fields, with how many values each has. observables: in order.
-    raw, final: the first number of the kind, as painted and as seen. labels: the final numbers of
-      the labels of a kind that is shown as a whole.
+    A cell is painted as a number for its kind and the values of the kind's painted fields. An
+    observer sees a number for its kind and what is shown of it (`observables`), which may differ.
+
+    painted: the fields that are painted, each with how many values it has.
+    raw, final: the kind's first number, as painted and as seen; its others follow.
     present: whether it is painted as itself: it is on the map, and doesn't always look like
       something else.
+    labels: of a kind that is shown as a whole, the final number of each of its labels.
     """
 
     kind: ir.Kind
@@ -64,7 +67,7 @@ class Look(Record):
 
     @property
     def same(self) -> bool:
-        """Whether an observer is shown exactly what is painted."""
+        """Whether an observer is shown the painted values, in the same order."""
         plain = all(not s.labels and s.hidden_when is None for s in self.observables)
         return plain and [f.name for f, _ in self.painted] == [s.field for s in self.observables]
 
@@ -319,12 +322,11 @@ def number_bound(observable: ir.Observable, game: ir.Game) -> float:
     field = shown_field(game, observable)
     if not field.timer:
         return field.type.high
-    bounds = [0.0]
+    bound = 0.0
     for node in ir.walk(game):
-        match node:
-            case ir.Set(value=value) if sets(node, field):
-                bounds.append(largest(value, game))
-    return max(bounds)
+        if isinstance(node, ir.Set) and sets(node, field):
+            bound = max(bound, largest(node.value, game))
+    return bound
 
 
 def largest(e: ir.Expr, game: ir.Game) -> float:
@@ -340,5 +342,10 @@ def largest(e: ir.Expr, game: ir.Game) -> float:
 
 
 def relative_heading(difference: Expression, same: int) -> Expression:
-    """Returns the number of another's heading relative to the observer's. same: of the same one."""
+    """Returns the number for another's heading in the plane of agents.
+
+    Args:
+      difference: the other's heading minus the observer's.
+      same: the number for the same heading; those to its right follow.
+    """
     return Literal(same) + (difference & 3)

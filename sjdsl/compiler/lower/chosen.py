@@ -10,33 +10,41 @@ from sjdsl.compiler.program.expressions import Expression, Name
 
 
 def action_of(agent: ir.Expr, scope: IterationScope) -> Value:
-    """Returns the number of the action an agent takes in this step."""
+    """Returns the number of the action that an agent takes in this step.
+
+    In generated code, `actions` has the number of each agent's action: a variable that is each
+    agent once, in order, reads all of it, and any other looks its agents up.
+    """
     assert isinstance(agent, ir.Member), agent
     variable = scope.variables[agent.name]
     actions: Expression = Name("actions")
-    if variable.axis is None:
+    is_each_agent = variable.axis is not None
+    if not is_each_agent:
         actions = actions[variable.number.node]
     return Value(actions, "i32", variable.number.axes)
 
 
 def chose_with(e: ir.ChoseWith, scope: IterationScope, w: Writer) -> Value:
     """Returns whether an agent chose an action with these arguments, or with any."""
-    action = action_named(w.module.game, e.action)
-    taken = action_of(e.agent, scope)
+    action = action_named(w.game, e.action)
+    chosen_action = action_of(e.agent, scope)
     if e.given:
         number, exists = action_number(action, e.given, scope, w)
-        return taken.eq(number) & exists
+        return chosen_action.eq(number) & exists
     first = Value(w.module.first_action(action), "i32")
     if len(action.numbers) == 1:
-        return taken.eq(first)
+        return chosen_action.eq(first)
     last = literal(action.numbers[-1], "i32")
-    return (taken >= first) & (taken <= last)
+    return (chosen_action >= first) & (chosen_action <= last)
 
 
 def action_number(
     action: ir.ActionWithArguments, given: tuple[ir.Given, ...], scope: IterationScope, w: Writer
 ) -> tuple[Value, Value]:
-    """Returns the number of an action with these arguments, and whether there is one."""
+    """Returns the number of an action with these arguments, and whether there is one.
+
+    An action has a number for each combination of its arguments' values, the last argument fastest.
+    """
     offset = literal(0, "i32")
     exists = TRUE
     for argument, declared in zip(given, action.arguments, strict=True):
@@ -44,7 +52,8 @@ def action_number(
         count = literal(declared.count, "i32")
         offset = offset * count + place
         exists = exists & is_value
-    if offset.literal and 0 <= offset.number < len(action.numbers):  # else none exists
+    is_known = offset.literal and 0 <= offset.number < len(action.numbers)
+    if is_known:
         return Value(w.module.action(action.first + int(offset.number)), "i32"), exists
     first = Value(w.module.first_action(action), "i32")
     return offset + first, exists
@@ -83,12 +92,13 @@ def argument_of(e: ir.ArgumentOf, scope: IterationScope, w: Writer) -> Value:
 
     If it chose another action, the value means nothing, and no rule reads it.
     """
-    action = action_named(w.module.game, e.action)
+    action = action_named(w.game, e.action)
     first = Value(w.module.first_action(action), "i32")
-    place = action_of(e.agent, scope) - first
-    for argument in reversed(action.arguments[e.number + 1 :]):
-        place = place // argument.count
     argument = action.arguments[e.number]
+    # The number within the action counts its arguments up, the last one fastest.
+    place = action_of(e.agent, scope) - first
+    for later in reversed(action.arguments[e.number + 1 :]):
+        place = place // later.count
     place = place % argument.count
     return argument_value(argument, w.keep(f"{e.action}_{e.name}".strip("_"), place))
 

@@ -10,9 +10,10 @@ LONGEST = 28  # characters of a name that is put together
 
 
 def condition_name(e: ir.Expr | None, game: ir.Game) -> str:
-    """Returns a name for where a condition holds, empty if it has no short one.
+    """Returns a name for where a condition holds: `is_iron` for `rock.ore is iron`.
 
-    A name of several conditions has as many of them as fit.
+    It is empty if there is no short one. A name of conditions that `and` joins has as many of them
+    as fit.
     """
     match e:
         case ir.Named():
@@ -61,7 +62,7 @@ def condition_name(e: ir.Expr | None, game: ir.Game) -> str:
 
 
 def domain_name(d: ir.Domain, game: ir.Game) -> str:
-    """Returns a name for the members of a domain: where they stand, and the condition they meet."""
+    """Returns a name for a domain's mask: `on_orchard_and_is_ripe`; empty without a short one."""
     parts = [] if d.on is None else [_fitting("on", "_or_".join(d.on.kinds))]
     match d.restriction:
         case ir.Near(shape=shape):
@@ -97,21 +98,22 @@ def value_name(e: ir.Expr) -> str:
 
 
 def _fitting(*parts: str) -> str:
-    """Returns parts of a name together; empty if one is missing, or the name is too long."""
+    """Returns parts of a name joined by `_`; empty if a part is, or the name is too long."""
     name = "_".join(parts).lower()
     is_short_name = len(name) <= LONGEST and re.fullmatch(r"[a-z][a-z0-9_]*", name)
     return name if all(parts) and is_short_name else ""
 
 
-def _joined(word: str, names: list[str]) -> str:
-    """Returns the names of conditions joined by `or`, or of as many as fit by `and`."""
-    if word == "or" and not all(names):
-        return ""
+def _joined(conjunction: str, names: list[str]) -> str:
+    """Returns the names of all conditions joined by `or`, or those that fit joined by `and`.
+
+    A name that is empty is of a condition without a short one.
+    """
     joined = ""
-    for name in filter(None, names):
-        longer = f"{joined}_{word}_{name}" if joined else name
-        if len(longer) <= LONGEST:
+    for name in names:
+        longer = f"{joined}_{conjunction}_{name}" if joined else name
+        if name and len(longer) <= LONGEST:
             joined = longer
-        elif word == "or":
+        elif conjunction == "or":
             return ""
     return joined

@@ -30,14 +30,21 @@ class Deciding(Record):
 
 
 def deciding(game: ir.Game) -> Deciding:
-    """Returns which reals decide in a game's rules, observations and metrics, not its checks."""
+    """Returns which reals decide in a game's rules, observations and metrics, not its checks.
+
+    First those that a test, a chance or a rounding reads; then those from which statements compute
+    them, and so on until there are no more.
+    """
     played = game.rules.model_copy(update={"checks": ()})
     nodes = tuple(ir.walk(played))
     statements = [node for node in nodes if isinstance(node, ir.Set | ir.Add | ir.Let | ir.Draw)]
     known = _read_by(expression for node in nodes for expression in _deciding_in(node))
     while True:
-        read = [s for s in statements if _is_read(s, known)]
-        more = _read_by(source for statement in read for source in _sources(statement))
+        sources: list[ir.Expr] = []
+        for statement in statements:
+            if _is_read(statement, known):
+                sources += _sources(statement)
+        more = _read_by(sources)
         joined = Deciding(known.fields | more.fields, known.variables | more.variables)
         if joined == known:
             return known

@@ -1,4 +1,10 @@
-"""Lowers domains: the axis that a quantifier adds, its membership mask, and the cells of shapes."""
+"""Lowers domains: the axis that a quantifier adds, its membership mask, and the cells of shapes.
+
+    each water in beam of cleaner where water.state is dirty { ... }
+
+adds an axis for the cells of the beam, a variable `water` whose numbers are the sites under them,
+and a mask: there is a cell of water, and it is dirty.
+"""
 
 from dataclasses import replace
 
@@ -6,6 +12,7 @@ from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
+    TRUE,
     Axis,
     Value,
     axes_of,
@@ -38,13 +45,16 @@ from sjdsl.compiler.program.expressions import (
 
 
 class Swept(Record):
-    """The cells of a shape around an anchor, in the frame, along their last axis.
+    """The cells of a shape around an anchor.
 
-    ok: which are on the map and not behind what blocks the shape.
+    cells: in the frame, along the last axis. is_reached: which of them are on the map, and not
+      behind a cell that blocks the shape. unblocked: the same, but TRUE if nothing on this map
+      blocks it: enough for cells on which something is, as that is on the map.
     """
 
     cells: Value
-    ok: Value
+    is_reached: Value
+    unblocked: Value
 
 
 def enter(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
@@ -73,23 +83,23 @@ def is_empty(d: ir.Domain, w: Writer) -> bool:
 
     Tables of such cells have no entries.
     """
-    num_cells = w.module.layout.num_cells
+    num_cells = w.layout.num_cells
     if d.on is not None and not num_cells(d.on.kinds):
         return True
     return d.var.entity_type.what == "cell" and not num_cells(d.var.kinds)
 
 
 def in_set(members: Value, axis: Axis) -> Value:
-    """Returns which agents, along an axis, are in a set that is kept as bits."""
+    """Returns which agents are in sets that are kept as bits, along a new last axis of agents."""
     assert all(axis.order > a.order for a in members.axes)
     kernel = "unpack" if members.levels else "from_bits"
     return Value(call(kernel, members.node, axis.extent), "bool", (*members.axes, axis))
 
 
 def whole_set(d: ir.Domain, scope: IterationScope, w: Writer) -> Value | None:
-    """Returns the set that a domain is, as bits.
+    """Returns a domain such as `agent in water.cleaners` as the set it is, kept as bits.
 
-    None if it is more than a set of agents, or one of its members can be away.
+    None if it has another condition, or a member may be away, who doesn't count.
     """
     if not isinstance(d.restriction, ir.InAgents) or d.on or d.where or w.module.can_be_away():
         return None
@@ -106,18 +116,19 @@ def extended(
     w: Writer,
     is_place: bool = False,
 ) -> IterationScope:
-    """Returns the scope with one more quantifier around it.
+    """Returns the scope inside one more quantifier.
 
-    is_place: whether its members are numbered by their places along the axis.
+    Args:
+      axis: of the quantifier; None if it has one candidate.
+      is_place: whether random draws number its members by their places along the axis, not by their
+        numbers among all of their type.
     """
     digit = (variable.number, w.module.extent(d.var.entity_type))
     if is_place and axis is not None:
         digit = (iota(axis), axis.extent)
-    return replace(
-        scope.binding(d.var.name, variable),
-        axes=scope.axes if axis is None else (*scope.axes, axis),
-        digits=(*scope.digits, digit),
-    )
+    axes = scope.axes if axis is None else (*scope.axes, axis)
+    inner = scope.binding(d.var.name, variable)
+    return replace(inner, axes=axes, digits=(*scope.digits, digit))
 
 
 def _bodies(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
@@ -148,18 +159,18 @@ def _among(d: ir.Domain, among: ir.Among, scope: IterationScope, w: Writer) -> I
     One agent or cell that is named twice counts once.
     """
     axis = w.axis(d.var.name, len(among.members))
-    indices = [number_in(d, scope.variables[m.name], w) for m in among.members]
-    axes = axes_of(*indices)
-    stacked = call("jnp.stack", [spread(i, axes) for i in indices], axis=len(axes))
-    index = w.keep(d.var.name, Value(stacked, "i32", (*axes, axis)))
-    variable = numbered(d.var, index)
+    numbers = [number_in(d, scope.variables[member.name], w) for member in among.members]
+    axes = axes_of(*numbers)
+    stacked = call("jnp.stack", [spread(number, axes) for number in numbers], axis=len(axes))
+    along_axis = w.keep(d.var.name, Value(stacked, "i32", (*axes, axis)))
+    variable = numbered(d.var, along_axis)
     inner = extended(scope, axis, d, variable, w)
     if isinstance(variable, CellVar):
-        inner = inner.when(state_reads.is_site(index, d.var.kinds, w))
+        inner = inner.when(state_reads.is_site(along_axis, d.var.kinds, w))
     else:
         inner = inner.when(state_reads.present(variable, w))
-    for place, later in enumerate(indices):
-        for earlier in indices[:place]:
+    for place, later in enumerate(numbers):
+        for earlier in numbers[:place]:
             is_repeated = iota(axis).eq(place) & later.eq(earlier)
             inner = inner.when(~is_repeated)
     return inner
@@ -199,9 +210,9 @@ def _cells(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
 def sites_in(
     near: ir.Near, kinds: tuple[str, ...], scope: IterationScope, w: Writer, name: str
 ) -> tuple[Value, Value]:
-    """Returns a shape's cells around an anchor, by number among `kinds`, and which exist.
+    """Returns the sites of `kinds` at the cells of a shape around an anchor, and which exist.
 
-    They are along the last axis.
+    Both have the cells of the shape along their last axis. name: of that axis.
     """
     anchor = scope.variables[near.anchor.name]
     shape = w.module.shape(near.shape)
@@ -214,16 +225,13 @@ def sites_in(
         return site, state_reads.is_site(site, kinds, w)
     swept = sweep(near, scope, w)
     site = w.keep(_site_name(near, kinds), state_reads.site_at(swept.cells, kinds, w))
-    exists = state_reads.is_site(site, kinds, w)
-    if has_inner_blocks(shape, w):
-        exists = exists & swept.ok
-    return site, exists
+    return site, state_reads.is_site(site, kinds, w) & swept.unblocked
 
 
 def neighbours_constant(near: ir.Near, anchor: CellVar, kinds: tuple[str, ...], w: Writer) -> Name:
     """Returns the table of a shape's cells around each cell, by number among `kinds`."""
     shape = w.module.shape(near.shape)
-    table = w.module.layout.neighbours_table(anchor.kinds, shape, kinds)
+    table = w.layout.neighbours_table(anchor.kinds, shape, kinds)
     comment = f"cells of {', '.join(kinds)} in {shape.name} of each cell; past the end: none"
     return w.module.constant(_site_name(near, kinds), table, comment)
 
@@ -233,10 +241,10 @@ def _site_name(near: ir.Near, kinds: tuple[str, ...]) -> str:
 
 
 def has_inner_blocks(shape: ir.Shape, w: Writer) -> bool:
-    """Returns whether some cell of the map may end a lane of the shape before its last cell."""
+    """Returns whether a cell of the map may end a lane of the shape before the lane's last cell."""
     if shape.see_through or not any(len(lane) > 1 for lane in shape.lanes):
         return False
-    layout = w.module.layout
+    layout = w.layout
     return _has_changing_blocks(shape, w) or layout.count(layout.blocking_glyphs(shape.name)) > 0
 
 
@@ -247,106 +255,114 @@ def shape_name(shape: str) -> str:
 
 def _has_changing_blocks(shape: ir.Shape, w: Writer) -> bool:
     """Returns whether agents, or cells under a condition, may end a lane of the shape."""
-    by_agents = any(b.what == shape.name for b in w.module.game.agents.blocks)
+    by_agents = any(b.what == shape.name for b in w.game.agents.blocks)
     return by_agents or bool(conditional_blocks(shape.name, w))
 
 
 def sweep(near: ir.Near, scope: IterationScope, w: Writer) -> Swept:
-    """Returns the cells of a shape around an agent or a cell, such as a beam's.
+    """Returns the cells of a shape around an agent or a cell: `beam of zapper`, `disc(2) of tree`.
 
-    The cells of one shape around one anchor have one axis in all of a function, so that they are
-    the same array wherever they are read.
+        beam_cells = state.position[:, None] + BEAM_OFFSETS[state.heading]
+
+    All sweeps of one shape around one anchor in a function share one axis, and so one array.
     """
     anchor = scope.variables[near.anchor.name]
     shape = w.module.shape(near.shape)
-    offsets = w.module.layout.offsets_table(shape)
-    ident = shape_name(near.shape)
+    offsets = w.layout.offsets_table(shape)
+    prefix = shape_name(near.shape)  # of names in generated code
     comment = f"cells of {shape.name} from an agent's cell, for each heading"
-    table = w.module.constant(f"{ident}_offsets", offsets, comment)
-    if (ident, anchor) not in w.shape_axes:
+    table = w.module.constant(f"{prefix}_offsets", offsets, comment)
+    if (prefix, anchor) not in w.shape_axes:
         num_cells = sum(map(len, shape.lanes))
-        size = w.module.number(f"num_{ident}_cells", num_cells, "cells of the shape")
-        w.shape_axes[ident, anchor] = w.axis(ident, size)
-    axis = w.shape_axes[ident, anchor]
-    at = state_reads.location(anchor, w)
+        size = w.module.number(f"num_{prefix}_cells", num_cells, "cells of the shape")
+        w.shape_axes[prefix, anchor] = w.axis(prefix, size)
+    axis = w.shape_axes[prefix, anchor]
+    location = state_reads.location(anchor, w)
     if isinstance(anchor, AgentVar):
-        facing = state_reads.heading(anchor, w)
+        heading = state_reads.heading(anchor, w)
     else:  # a cell has no heading, and the shapes around cells have no direction
-        facing = literal(0, "i32")
-    if shape.see_through:
+        heading = literal(0, "i32")
+    if shape.see_through:  # such a shape looks the same for all headings
         steps = Value(table[0], "i32", (axis,))
     else:
-        steps = Value(table[facing.node], "i32", (*at.axes, axis))
-    cells = w.keep(f"{ident}_cells", _plus(at, steps, w))
-    ok = _reached(shape, at, facing, cells, w)
-    if all(a.order < axis.order for a in scope.axes):
-        return Swept(cells, ok)
-    # The shape has been swept around or before an axis of this scope: it gets a new axis here.
-    renamed = replace(w.axis(ident, axis.size), constant=axis.constant)
-    return Swept(_with_axis(cells, axis, renamed), _with_axis(ok, axis, renamed))
+        steps = Value(table[heading.node], "i32", (*location.axes, axis))
+    cells = w.keep(f"{prefix}_cells", _cells_around(location, steps, w))
+    is_reached = _reached(shape, location, heading, cells, w)
+    if any(other.order >= axis.order for other in scope.axes):
+        # The shape was first swept outside of a quantifier of this scope, or by it. Axes are in the
+        # order of quantifiers, so it gets another axis.
+        renamed = replace(w.axis(prefix, axis.size), constant=axis.constant)
+        cells = _with_axis(cells, axis, renamed)
+        is_reached = _with_axis(is_reached, axis, renamed)
+    return Swept(cells, is_reached, is_reached if has_inner_blocks(shape, w) else TRUE)
 
 
 def _with_axis(value: Value, axis: Axis, renamed: Axis) -> Value:
     return replace(value, axes=tuple(renamed if a == axis else a for a in value.axes))
 
 
-def _plus(at: Value, steps: Value, w: Writer) -> Value:
-    """Returns cells with the steps to each cell of a shape added.
+def _cells_around(location: Value, steps: Value, w: Writer) -> Value:
+    """Returns the cells of a shape around each location, with the shape's axis last.
 
-    The shape's axis comes last, whenever it was made.
+    steps: from a location to each cell of the shape, for each location or for all.
     """
-    axes = (*at.axes, steps.axes[-1])
-    # Two arrays that are added with the shape's axis last: one of length 1, and one that has it.
-    lead = at.node
-    if at.axes:
-        lead = lead[*[ALL] * len(at.axes), None]
+    axes = (*location.axes, steps.axes[-1])
+    lead = location.node
+    if location.axes:
+        lead = lead[*[ALL] * len(location.axes), None]
     tail = steps.node
     if steps.axes != axes:
-        tail = tail[*[NEW_AXIS] * len(at.axes), :]
+        tail = tail[*[NEW_AXIS] * len(location.axes), :]
     return state_reads.on_map(Value(lead + tail, "i32", axes), w)
 
 
-def _reached(shape: ir.Shape, at: Value, facing: Value, cells: Value, w: Writer) -> Value:
-    """Returns which of the cells are on the map and not behind a cell that blocks the shape."""
+def _reached(shape: ir.Shape, location: Value, heading: Value, cells: Value, w: Writer) -> Value:
+    """Returns which cells of a shape are on the map, and not behind one that blocks the shape.
+
+    Args:
+      location, heading: of the anchor; cells: of the shape around it.
+    Raises:
+      NotSupported: a shape of more than 32 cells that the map blocks.
+    """
     inside = is_inside(cells, w)
     if not has_inner_blocks(shape, w):
         return inside
-    ident = shape_name(shape.name)
+    prefix = shape_name(shape.name)
     if _has_changing_blocks(shape, w):
-        return w.keep(f"{ident}_reached", _walked(shape, inside, cells, w))
+        return w.keep(f"{prefix}_reached", _reached_past_changing(shape, inside, cells, w))
     axis = cells.axes[-1]
     if axis.size > 32:
         feature = f"a shape of {axis.size} cells that something on the map blocks (at most 32)"
         raise NotSupported(feature, shape.origin, "make it smaller, or let nothing block it")
     dtype: DType = "u8" if axis.size <= 8 else "u32"
     comment = f"cells of {shape.name} not behind what blocks it: bits by cell and heading"
-    table = w.module.constant(f"{ident}_reach", w.module.layout.reach_table(shape), comment)
-    bits = w.keep(f"{ident}_bits", looked_up(table, at * 4 + facing, dtype))
+    table = w.module.constant(f"{prefix}_reach", w.layout.reach_table(shape), comment)
+    bits = w.keep(f"{prefix}_bits", looked_up(table, location * 4 + heading, dtype))
     reached = call("from_bits", bits.node, axis.extent)
-    return w.keep(f"{ident}_reached", Value(reached, "bool", (*at.axes, axis)))
+    return w.keep(f"{prefix}_reached", Value(reached, "bool", (*location.axes, axis)))
 
 
 def is_inside(cells: Value, w: Writer) -> Value:
     """Returns which cells of the frame are on the map."""
-    table = w.module.layout.inside_table
+    table = w.layout.inside_table
     inside = w.module.constant("inside", table, "cells of the map in the frame")
     return looked_up(inside, cells, "bool")
 
 
 def always_block(cells: Value, name: str, w: Writer) -> Value:
     """Returns which cells always block agents, movers of a name, or a shape."""
-    table = w.module.layout.blocking_table(name)
+    table = w.layout.blocking_table(name)
     fixed = w.module.constant(f"blocks_{name}", table, f"cells that always block {name}")
     return looked_up(fixed, cells, "bool")
 
 
-def _walked(shape: ir.Shape, on_map: Value, cells: Value, w: Writer) -> Value:
-    """Returns which cells are reached if lanes may end at cells whose state decides."""
+def _reached_past_changing(shape: ir.Shape, on_map: Value, cells: Value, w: Writer) -> Value:
+    """Returns what `_reached` does if agents, or cells under a condition, block the shape."""
     name = shape.name
     blocked = always_block(cells, name, w)
-    for condition, kind in conditional_blocks(name, w):
-        blocked = blocked | blocked_by(condition, kind, cells, w)
-    for block in w.module.game.agents.blocks:
+    for block, kind in conditional_blocks(name, w):
+        blocked = blocked | blocked_by(block, kind, cells, w)
+    for block in w.game.agents.blocks:
         if block.what == name:
             blocked = blocked | _agents_block(block, cells, w)
     blocked = w.keep(f"{name}_blocked", blocked)
@@ -357,7 +373,7 @@ def _walked(shape: ir.Shape, on_map: Value, cells: Value, w: Writer) -> Value:
 
 
 def _agents_block(block: ir.Block, cells: Value, w: Writer) -> Value:
-    """Returns on which of the cells an agent stands that ends lanes."""
+    """Returns on which of the cells an agent stands that blocks a shape."""
     standing = stand_on(cells, state_reads.positions(w))
     if block.condition is not None:
         axis = w.axis("blocker", w.module.agents)
@@ -367,13 +383,13 @@ def _agents_block(block: ir.Block, cells: Value, w: Writer) -> Value:
 
 
 def conditional_blocks(name: str, w: Writer) -> list[tuple[ir.Block, ir.Kind]]:
-    """Returns what blocks something under conditions, each with the kind of the cells.
+    """Returns the `blocks X when ...` of all kinds on the map, each with its kind.
 
-    name: "agents", or that of movers or of a shape.
+    name: what is blocked: "agents", movers in the plural, or a shape.
     """
     pairs = []
-    for kind in w.module.game.kinds:
-        if w.module.layout.num_cells((kind.name,)):
+    for kind in w.game.kinds:
+        if w.layout.num_cells((kind.name,)):
             for block in kind.blocks:
                 if block.what == name and block.condition is not None:
                     pairs.append((block, kind))
@@ -383,7 +399,11 @@ def conditional_blocks(name: str, w: Writer) -> list[tuple[ir.Block, ir.Kind]]:
 def blocked_by(
     block: ir.Block, kind: ir.Kind, cells: Value, w: Writer, agent: AgentVar | None = None
 ) -> Value:
-    """Returns which of the cells are of a kind and block, by the state of the snapshot."""
+    """Returns which of the cells are of a kind and block, as their state is before the phase.
+
+    agent: who would enter them, for conditions that ask about it.
+    Raises NotSupported for such a condition on what blocks a shape.
+    """
     site = state_reads.site_at(cells, (kind.name,), w)
     members = [n for n in ir.walk(block) if isinstance(n, ir.Member)]
     if agent is None and any(member.entity_type.what == "agent" for member in members):
@@ -401,7 +421,7 @@ def blocked_by(
 
 
 def agents_in(near: ir.Near, variable: AgentVar, scope: IterationScope, w: Writer) -> Value:
-    """Returns which agents stand on a cell of the shape."""
+    """Returns which agents, along the axis of `variable`, stand on a cell of the shape."""
     assert variable.axis is not None
     swept = sweep(near, scope, w)
     cells = swept.cells
@@ -409,13 +429,16 @@ def agents_in(near: ir.Near, variable: AgentVar, scope: IterationScope, w: Write
     if variable.axis not in cells.axes:
         axes = (*axes, variable.axis)
     standing = stand_on(cells, state_reads.position(variable, w).node)
-    if has_inner_blocks(w.module.shape(near.shape), w):
-        standing = standing & swept.ok.node[*[ALL] * len(cells.axes), None]
+    if swept.unblocked != TRUE:
+        standing = standing & swept.unblocked.node[*[ALL] * len(cells.axes), None]
     inside = Value(reduction("any", standing, (len(cells.axes) - 1,)), "bool", axes)
     return w.keep(f"in_{shape_name(near.shape)}", inside)
 
 
 def stand_on(cells: Value, position: Expression) -> Expression:
-    """Returns who stands on which cells: an axis more, for the agents, after those of the cells."""
+    """Returns who stands on which of the cells: `[..., N]` bool for cells `[...]`.
+
+    position: `[N]`, the cells of agents or movers.
+    """
     each_cell = indexed(cells.node, (*[ALL] * len(cells.axes), NEW_AXIS))
     return each_cell.eq(position[*[NEW_AXIS] * len(cells.axes), :])

@@ -1,4 +1,8 @@
-"""Lowers random draws: 32 random bits for every instance, and the distribution made of them."""
+"""Lowers random draws: 32 random bits for every instance, and the distribution made of them.
+
+The instances of a statement are numbered: the members of the quantifiers around it are the digits
+of the number, the outermost first. Instance i draws number i of the statement's stream.
+"""
 
 from dataclasses import replace
 
@@ -13,6 +17,7 @@ from sjdsl.compiler.lower.axes import (
     called,
     iota,
     literal,
+    without,
 )
 from sjdsl.compiler.lower.condition_names import value_name
 from sjdsl.compiler.lower.expressions import operand, real
@@ -33,13 +38,12 @@ KEY = Name("key")
 
 
 def random_bits(stream: int, scope: IterationScope, w: Writer, extra: Axis | None = None) -> Value:
-    """Returns 32 random bits for each instance, or for each member of another axis in it."""
+    """Returns 32 random bits for each instance; with `extra`, for each member of that axis too."""
     digits = scope.digits if extra is None else (*scope.digits, (iota(extra), extra.extent))
     if need_no_state(digits):
         axes = tuple(digit.axes[0] for digit, _ in digits)
         extents = [axis.extent for axis in axes]
         return Value(call("random_bits", KEY, w.stream(stream), *extents), "u32", axes)
-    # The instance's number: the members of the quantifiers around it as digits, outermost first.
     number = literal(0, "i32")
     for digit, radix in digits:
         number = number * radix + digit
@@ -56,22 +60,27 @@ def bits_of_each(stream: int, entity_type: ir.EntityType, w: Writer) -> Expressi
 
 
 def need_no_state(digits: tuple[tuple[Value, Literal], ...]) -> bool:
-    """Returns whether random bits depend on the key alone.
+    """Returns whether instances are numbered in the order of their axes, without gaps.
 
-    Each digit of an instance's number then simply counts along its axis.
+    Then their random bits are the first of the stream, and don't depend on the state.
+
+    digits: of an instance's number, each with how many values it can have.
     """
-    return all(
-        isinstance(digit.node, Arange)
-        and len(digit.axes) == 1
-        and (place == 0 or digit.axes[0].size == radix.value)
-        for place, (digit, radix) in enumerate(digits)
-    )
+    for place, (digit, radix) in enumerate(digits):
+        counts_up = isinstance(digit.node, Arange) and len(digit.axes) == 1
+        if not counts_up:
+            return False
+        is_first = place == 0
+        if not is_first and digit.axes[0].size != radix.value:
+            return False
+    return True
 
 
 def chances(s: ir.Chance, scope: IterationScope, w: Writer) -> tuple[list[Value], Value]:
-    """Returns when each branch of a chain happens, and when none does.
+    """Returns when each branch of `chance p {} else chance q {} ...` happens, and when none does.
 
-    The same random bits are compared with a rising limit for each branch.
+    One random number is compared with a limit for each branch, which rises from branch to branch: a
+    branch happens if the number is below its limit, but not below that of the branch before.
     """
     is_chain = len(s.branches) > 1
     bits = random_bits(s.stream, scope, w) >> 1
@@ -103,11 +112,12 @@ def first_limit(probability: ir.Expr, scope: IterationScope, w: Writer) -> Value
 
 
 def _threshold(p: Value) -> Value:
+    """Returns the limit below which 31 random bits lie with a probability."""
     return Value(call("threshold", _array(p, p.axes)), "u32", p.axes)
 
 
 def _next_limit(lower: Value, probability: ir.Expr, scope: IterationScope, w: Writer) -> Value:
-    """Returns the limit below which a branch of a chain happens, or one before it."""
+    """Returns the limit of a branch. lower: the limit of the branch before it."""
     with w.deciding():
         p = operand(probability, _probability(probability, scope, w), w)
     axes = axes_of(lower, p)
@@ -138,19 +148,20 @@ def _array(p: Value, axes: Axes) -> Expression:
 
 
 def draw(s: ir.Draw, scope: IterationScope, w: Writer) -> Value:
-    """Returns a drawn number or word; of a row, those of its entries along a level."""
+    """Returns a drawn number or enum value, or a row of them if the draw is `by` something."""
     if s.by is None:
         bits = random_bits(s.stream, scope, w)
         return w.keep(s.name, _drawn(s, bits, scope, w))
     entries = w.axis(s.name, w.module.num_entries(s.by))
     bits = random_bits(s.stream, scope, w, entries)
     drawn = _dealt(s, bits) if s.different else _drawn(s, bits, scope, w)
-    axes = tuple(axis for axis in drawn.axes if axis != entries)
+    # The axis of the entries becomes the level of the row.
+    axes = without(drawn.axes, (entries,))
     return w.keep(s.name, Value(aligned(drawn, (*axes, entries)), drawn.dtype, axes, levels=1))
 
 
 def _dealt(s: ir.Draw, bits: Value) -> Value:
-    """Returns different words' numbers, or different whole numbers, for the last axis of `bits`."""
+    """Returns different enum values, or different whole numbers, along the last axis of `bits`."""
     if s.words:
         return Value(Cast(call("dealt_values", bits.node, len(s.words)), "u8"), "u8", bits.axes)
     low = int(s.type.low)
@@ -159,7 +170,7 @@ def _dealt(s: ir.Draw, bits: Value) -> Value:
 
 
 def _drawn(s: ir.Draw, bits: Value, scope: IterationScope, w: Writer) -> Value:
-    """Returns the number or word that random bits stand for."""
+    """Returns the number, or the number of the enum value, that random bits stand for."""
     if s.weights:
         return _weighted(s, bits, scope, w)
     if s.words:
@@ -189,15 +200,18 @@ def _between(
 
 
 def _weighted(s: ir.Draw, bits: Value, scope: IterationScope, w: Writer) -> Value:
-    """Returns a word's number, or a whole number, drawn with weights."""
+    """Returns an enum value's number, or a whole number, drawn with weights.
+
+    The place drawn is the number of partial sums of the weights that the random number reaches.
+    """
     shifted = w.keep("word", bits >> 1)
-    total: Value | None = None
+    partial_sum: Value | None = None
     place = literal(0, "i32")
     for weight in s.weights[:-1]:
         with w.deciding():
             p = _probability(weight, scope, w)
-            total = p if total is None else _add_weight(total, weight, p, w)
-        place = place + as_dtype(shifted >= _threshold(total), "i32")
+            partial_sum = p if partial_sum is None else _add_weight(partial_sum, weight, p, w)
+        place = place + as_dtype(shifted >= _threshold(partial_sum), "i32")
     if s.numbers:
         values = list(s.numbers)
         comment = f"what `{s.name}` is drawn from"

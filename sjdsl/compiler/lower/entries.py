@@ -1,9 +1,8 @@
-"""Lowers entries of rows and tables: places of keys, and rows along an axis.
-
-agent.trust[b] with two axes is the stored table itself: nothing is looked up.
+"""Lowers entries of rows and tables, such as `a.trust[b]`.
 
 The array of a value has a dimension for each of its axes (what it differs along, such as each
-agent), then one for each level (what its entries are numbered by).
+agent), then one for each level (what its entries are numbered by). If a and b are both each agent
+once, in order, `a.trust[b]` is the stored table itself: the level becomes the axis of b.
 """
 
 from dataclasses import replace
@@ -35,11 +34,11 @@ from sjdsl.compiler.program.expressions import (
     reduction,
 )
 
-ABSENT = 255  # the number of a word in a set that does not have it
+ABSENT = 255  # in place of the number of an enum value in an enum without it
 
 
 def entry(e: ir.At, scope: IterationScope, w: Writer) -> Value:
-    """Returns one entry of a row or table: by a key, or the expected one by a mix."""
+    """Returns the entry `row[key]` of a row or table; if the key is a mix, a mean of entries."""
     row = w.value(e.row, scope)
     if e.key.type.kind == "mix":
         return _expected(row, w.value(e.key, scope), w)
@@ -61,10 +60,9 @@ def entry(e: ir.At, scope: IterationScope, w: Writer) -> Value:
 
 
 def row_key(e: ir.Expr, level: Level, scope: IterationScope, w: Writer) -> Value:
-    """Returns the place of an entry in its row.
+    """Returns the place of a key's entry in a row, from 0.
 
-    It is that of a word in the row's own set, a number's distance from the first, or an agent's
-    number.
+    level: what the entries are numbered by: enum values, whole numbers from `first` on, or agents.
     """
     if isinstance(e, ir.Word) and level.kind != "word":
         return literal(level.place_of(e.value), "i32")
@@ -79,7 +77,7 @@ def row_key(e: ir.Expr, level: Level, scope: IterationScope, w: Writer) -> Value
 
 
 def whole_axis(key: ir.Expr, scope: IterationScope) -> Axis | None:
-    """Returns the axis along which a key is each agent once, in order; None for other keys."""
+    """Returns the axis along which a key is each agent once, in order; None for any other key."""
     variable = scope.variables[key.name] if isinstance(key, ir.Member) else None
     return variable.axis if isinstance(variable, AgentVar) else None
 
@@ -137,23 +135,22 @@ def to_words(
     w: Writer,
     declared: ir.VarField | None = None,
 ) -> Value:
-    """Returns a word of the set `old`, numbered as in the set `new`; ABSENT where that lacks it.
+    """Returns a value of the enum `old`, numbered as in the enum `new`; ABSENT where that lacks it.
 
     Args:
-      declared: the field that the word will be a value of; names the constant of a literal.
+      declared: the field that the value will be stored in; names the constant of a literal.
     """
     if old == new and not (value.literal and declared):
         return value
     if value.literal:
         word = old[int(value.number)]
         return w.module.word(word, new, declared) if word in new else literal(ABSENT, "u8")
-    numbers = [new.index(word) if word in new else ABSENT for word in old]
-    # Adding one number may do; uint8 wraps around, so that it may also lead to ABSENT.
-    shift = numbers[-1] - (len(numbers) - 1)
-    shifted = [(shift + i) % 256 for i in range(len(numbers))]
-    if numbers[1:] == shifted[1:] and (numbers[0] == shifted[0] or len(numbers) > 4):
+    new_numbers = [new.index(word) if word in new else ABSENT for word in old]
+    # Often the new number is the old one plus a constant, modulo 256, at least from 1 on.
+    shift = new_numbers[-1] - (len(old) - 1)
+    shifted = [(number + shift) % 256 for number in range(len(old))]
+    is_shift = new_numbers == shifted
+    if is_shift or (new_numbers[1:] == shifted[1:] and len(old) > 4):
         moved = value - abs(shift) if shift < 0 else value + shift
-        if numbers[0] == shifted[0]:
-            return moved
-        return select(value.eq(0), numbers[0], moved)
-    return looked_up(as_array(numbers, "u8"), value, "u8")
+        return moved if is_shift else select(value.eq(0), new_numbers[0], moved)
+    return looked_up(as_array(new_numbers, "u8"), value, "u8")

@@ -41,8 +41,8 @@ from sjdsl.compiler.program.expressions import (
     scalar,
 )
 
-LARGE = 8  # nodes of a defined condition from which on it keeps its name
-ARMS = 4  # of one nested selection
+LARGE = 8  # nodes of a `define`d condition from which on it becomes a variable of generated code
+ARMS = 4  # selections inside each other in one expression
 VALUE_DTYPES: dict[str, DType] = {
     "int": "i32",
     "real": "f32",
@@ -193,7 +193,7 @@ def sum_row(e: ir.SumRow, scope: IterationScope, w: Writer) -> Value:
 
 
 def shift(e: ir.ShiftRow, scope: IterationScope, w: Writer) -> Value:
-    """Returns a row with its entries moved on."""
+    """Returns a row whose entries are moved by some places, with a filler in those left."""
     row = lower(e.row, scope, w)
     filler = lower(e.filler, scope, w)
     match e.type.kind:
@@ -226,7 +226,7 @@ def real(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
 
 
 def owner(e: ir.Expr, scope: IterationScope, w: Writer) -> Variable:
-    """Returns the variable whose field is read: one in scope, or what an expression gives."""
+    """Returns the agents or cells that an expression is: of a variable, or computed numbers."""
     if isinstance(e, ir.Member):
         return scope.variables[e.name]
     if e.type.kind == "cell":
@@ -274,7 +274,7 @@ def attribute(e: ir.Attribute, scope: IterationScope, w: Writer) -> Value:
 
 
 def _in_frame(variable: Variable, side: OneOf["row", "col"], w: Writer) -> Value:
-    """Returns the row or column of an agent or a cell in the frame around the map."""
+    """Returns the row or column of an agent or a cell in the frame, as it is after padding."""
     at = state_reads.location(variable, w)
     op = "//" if side == "row" else "%"
     return w.keep(side, replace(at, node=Binary(op, at.node, w.module.frame_cols)))
@@ -290,7 +290,7 @@ def distance(e: ir.Distance, scope: IterationScope, w: Writer) -> Value:
                 return state_reads.seen_steps(w, *cell.seen)
     rows = _in_frame(a, "row", w) - _in_frame(b, "row", w)
     cols = _in_frame(a, "col", w) - _in_frame(b, "col", w)
-    layout = w.module.layout
+    layout = w.layout
     if layout.wraps:
         rows = called("shorter_way", rows, layout.height)
         cols = called("shorter_way", cols, layout.width)
@@ -298,28 +298,36 @@ def distance(e: ir.Distance, scope: IterationScope, w: Writer) -> Value:
 
 
 def bearing(e: ir.Bearing, scope: IterationScope, w: Writer) -> Value:
-    """Returns the steps ahead of an agent or mover, or to its right, to an agent or a cell."""
+    """Returns `steps_ahead(a, b)` or `steps_right(a, b)`: how far b is ahead of a, or to its right.
+
+    It is negative for what is behind, or to the left.
+    """
     a = agent(e.left, scope, w)
     b = owner(e.right, scope, w)
-    rows, rows_of_b = (_in_frame(variable, "row", w) for variable in (a, b))
-    cols, cols_of_b = (_in_frame(variable, "col", w) for variable in (a, b))
-    layout = w.module.layout
-    ways = [  # north, east, south, west
-        (rows - rows_of_b, layout.height),
-        (cols_of_b - cols, layout.width),
-        (rows_of_b - rows, layout.height),
-        (cols - cols_of_b, layout.width),
+    row_of_a, row_of_b = (_in_frame(variable, "row", w) for variable in (a, b))
+    col_of_a, col_of_b = (_in_frame(variable, "col", w) for variable in (a, b))
+    layout = w.layout
+    steps_to = [  # the north, east, south and west
+        (row_of_a - row_of_b, layout.height),
+        (col_of_b - col_of_a, layout.width),
+        (row_of_b - row_of_a, layout.height),
+        (col_of_a - col_of_b, layout.width),
     ]
-    steps = [called("shorter_way", way, size) if layout.wraps else way for way, size in ways]
-    if e.fn == "steps_right":
-        steps = [*steps[1:], steps[0]]
+    by_heading = []
+    for steps, length in steps_to:
+        by_heading.append(called("shorter_way", steps, length) if layout.wraps else steps)
+    if e.fn == "steps_right":  # to the right of north is east, and so on
+        by_heading = [*by_heading[1:], by_heading[0]]
     heading = w.keep("heading", state_reads.heading(a, w))
-    arms = [(heading.eq(number), way) for number, way in enumerate(steps[:-1])]
-    return w.keep(e.fn, first_of(arms, steps[-1], w))
+    arms = [(heading.eq(number), steps) for number, steps in enumerate(by_heading[:-1])]
+    return w.keep(e.fn, first_of(arms, by_heading[-1], w))
 
 
 def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
-    """Returns an operation on numbers, which are all int32 or all float32."""
+    """Returns an operation on numbers, which are all int32 or all float32.
+
+    Of literals alone the result is computed now.
+    """
     operation = CALCULATIONS[e.fn]
     dtype = VALUE_DTYPES[e.type.kind]
     is_whole = dtype == "i32" and all(a.type.kind == "int" for a in e.args)
@@ -351,7 +359,7 @@ def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
 
 
 def operand(e: ir.Expr, value: Value, w: Writer) -> Value:
-    """Returns a real that arithmetic reads; what decides something is rounded to float32 first.
+    """Returns an operand of arithmetic; if it decides something, it is rounded to float32 first.
 
     Written numbers and parameters are float32 anyway.
     """
@@ -361,10 +369,7 @@ def operand(e: ir.Expr, value: Value, w: Writer) -> Value:
 
 
 def _is_unrounded(e: ir.Expr) -> bool:
-    """Returns whether a number is no result of the arithmetic of reals.
-
-    Such are written numbers, parameters and whole numbers.
-    """
+    """Returns whether an expression is exact in float32 already: it isn't computed from reals."""
     match e:
         case ir.Named():
             return _is_unrounded(e.value)
@@ -405,15 +410,15 @@ def _numbers(expressions: tuple[ir.Expr, ...], scope: IterationScope, w: Writer)
 
 
 def _is_one_of(value: Value, words: tuple[str, ...], e: ir.Expr, w: Writer) -> Value:
-    """Returns whether a word is one of some. e: what the value is of."""
+    """Returns whether an enum value is one of `words`. e: the expression that has the value."""
     declared = declared_by(e, w)
     numbers = [w.module.word(word, e.type.words, declared) for word in words]
     return reduce(or_, [value.eq(number) for number in numbers])
 
 
 def case(e: ir.Case, scope: IterationScope, w: Writer) -> Value:
-    """Returns nested selections, the last arm for all that is left."""
-    name = condition_name(e.subject, w.module.game)
+    """Returns `case w { red: a, otherwise: b }`: nested selections, the last for what is left."""
+    name = condition_name(e.subject, w.game)
     subject = w.keep(name or "subject", lower(e.subject, scope, w))
     values = []
     for arm in e.arms:

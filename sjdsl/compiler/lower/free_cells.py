@@ -22,9 +22,9 @@ from sjdsl.compiler.program.expressions import Expression, Literal, Name, Where,
 
 
 def fitting_cells(s: ir.Send, axis: Axis, scope: IterationScope, w: Writer) -> Value:
-    """Returns where a destination's `where` holds.
+    """Returns which cells of a destination its `where` allows.
 
-    It has the axis of the cells, and those of the variables that the condition names.
+    axis: of the cells. The result may also differ along the axes of the scope's variables.
     """
     assert s.domain.where is not None
     cell = CellVar(iota(axis), s.domain.var.kinds, axis)
@@ -39,23 +39,24 @@ def free_cells(
     w: Writer,
     entered: Iterable[tuple[Pool, Name]] = (),
 ) -> Expression:
-    """Returns which cells of a destination are free, `[S]` bool.
+    """Returns which cells of a pool's destination are free, `[S]` bool, or None if all are.
 
-    leaving: whose cells count as free, `[N]` bool. same_for_all: whether the same cells fit
-    everybody, so that those that fit nobody aren't free. entered: who has been placed before in
-    this phase, by pool, `[N]` bool each.
+    Args:
+      leaving: whose cells count as free, `[N]` bool; None: nobody's.
+      same_for_all: whether the same cells fit everybody; the others then are not free.
+      entered: the pools of this phase before this one, each with who was placed there, `[N]` bool.
     """
     extent = w.module.num_cells(pool.kinds)
     axis = w.axis("destination", extent)
     free = TRUE
 
-    def empty(name: str, sites: Expression) -> Value:
-        """Returns which cells are not among those that others stand on."""
+    def without_sites(name: str, sites: Expression) -> Value:
+        """Returns which cells are not among some sites. name: of the sites in generated code."""
         taken = call("occupied", w.keep_node(name, sites, "i32"), extent)
         return Value(~taken, "bool", (axis,))
 
-    if pool.phase != "start":
-        free = empty("others", _sites_of_others(pool, leaving, w))
+    if pool.phase != "start":  # before it, nobody is on the map
+        free = without_sites("others", _sites_of_others(pool, leaving, w))
     placed: dict[ir.EntityType, list[Expression]] = {}
     for other, who in entered:
         if set(other.kinds) & set(pool.kinds):
@@ -64,22 +65,24 @@ def free_cells(
         positions = w.current(attribute_of("position", entity_type))
         cells = Where(reduce(or_, masks), positions, state_reads.nowhere(w).node)
         sites = state_reads.site_at(Value(cells, "i32"), pool.kinds, w)
-        free = free & empty("entered", sites.node)
+        free = free & without_sites("entered", sites.node)
     if pool.send.domain.where is not None and same_for_all:
         free = free & fitting_cells(pool.send, axis, IterationScope(), w)
     if free == TRUE:
-        return Literal(None)  # all of them
+        return Literal(None)
     if not free.axes:
         return call("jnp.full", extent, free.node)
     return w.keep("free", free).node
 
 
 def _sites_of_others(pool: Pool, leaving: Expression | None, w: Writer) -> Expression:
-    """Returns which cells of a destination agents and movers stand on, those of its type first."""
+    """Returns the sites of a destination under all agents and movers, past the end if none.
+
+    Those of the type that is sent come first.
+    """
     sites: list[Expression] = []
-    for entity_type in sorted(
-        body_types(w.module.game), key=lambda entity_type: entity_type != pool.entity_type
-    ):
+    others = [other for other in body_types(w.game) if other != pool.entity_type]
+    for entity_type in (pool.entity_type, *others):
         site, _ = state_reads.site_under(state_reads.everybody(w, entity_type), pool.kinds, w)
         if leaving is None or entity_type != pool.entity_type:
             sites.append(site.node)

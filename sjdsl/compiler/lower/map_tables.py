@@ -1,4 +1,7 @@
-"""Tables of the map for lowered code: each is a call of `sjdsl.runtime.geometry`."""
+"""Tables of the map for generated code: each is a call of a function of `sjdsl.runtime.geometry`.
+
+A generated module contains the map as text, and computes these tables when it is loaded.
+"""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -90,7 +93,10 @@ class Layout:
     def starts_table(
         self, kind: str, field: ir.VarField, encode: "dict[object, float]", dtype: str
     ) -> Expression:
-        """The starting values of a kind's field, cell by cell."""
+        """The starting values of a kind's field, cell by cell.
+
+        encode: a starting value as the game writes it -> the number that is stored.
+        """
         values = {}
         for meaning in self.game.glyphs:
             if meaning.kind == kind:
@@ -104,7 +110,7 @@ class Layout:
         return {dict(g.starts).get(field.name, field.start) for g in on_map}
 
     def base_table(self, looks: dict[str, int]) -> Expression:
-        """The frame painted with one number a kind."""
+        """The frame painted with a number for each kind. looks: kind -> its number."""
         return call("painted", *MAP, {g.glyph: looks[g.kind] for g in self.game.glyphs})
 
     @property

@@ -1,4 +1,8 @@
-"""Lowers `match`: greedy pairs of two domains in random order."""
+"""Lowers `match`: pairs of the members of two domains, taken in random order.
+
+Each pair that may be taken draws a rank. The kernel takes the pair with the greatest rank, drops
+those that have a member in common with it, and goes on with the rest.
+"""
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower.axes import Axis, Value, iota, spread
@@ -21,7 +25,10 @@ from sjdsl.compiler.program.expressions import (
 
 
 def match_(s: ir.Match, scope: IterationScope, w: Writer) -> IterationScope:
-    """Returns the scope inside a `match`: the left side's axis, those without a partner masked."""
+    """Returns the scope inside a `match`: along the left members, those without a partner masked.
+
+    Raises NotSupported for a `match` inside other quantifiers, or of one certain agent.
+    """
     if scope.axes or scope.digits:  # a `pick 1` around it has no axis, but each pick other pairs
         feature = "`match` inside `each`, `pick`, `first` or another `match`"
         instead = "write the `match` outside, and what is around it as conditions in its `where`"
@@ -42,7 +49,10 @@ def match_(s: ir.Match, scope: IterationScope, w: Writer) -> IterationScope:
 
 
 def _partners(s: ir.Match, left: IterationScope, w: Writer) -> Value:
-    """Returns the partner of each left member, past the end for those who have none."""
+    """Returns the number of each left member's partner, past the end for those without one.
+
+    left: the scope of the left members.
+    """
     right = s.right
     rows = left.axes[-1]
     same_type = s.left.var.entity_type == right.var.entity_type
@@ -76,29 +86,34 @@ def _partners(s: ir.Match, left: IterationScope, w: Writer) -> Value:
 
 def _among_reached(
     s: ir.Match,
-    index: Value,
+    numbers: Value,
     mask: Value,
     axes: tuple[Axis, Axis],
     size: Literal,
     same_type: bool,
     w: Writer,
 ) -> Value:
-    """Returns partners among the few members that each left one reaches.
+    """Returns what `_partners` does if each left member reaches only a few right ones.
 
-    Random bits are drawn for these pairs alone, not for all that there are.
+    Random bits are drawn for these pairs alone. A pair's draw has the number of the pair among all
+    pairs of a left and a right member.
+
+    Args:
+      numbers: the right members that each left one reaches; mask: which of these pairs there are.
+      axes: of the left members, and of the places that each of them reaches.
+      size: how many right members there are. same_type: whether both sides are of one type.
     """
-    rows, _ = axes  # of the left members, and of the places that each of them reaches
-    reached = w.keep_node("reached", spread(index, axes), "i32")
-    happens = spread(mask, axes)
+    rows, _ = axes
+    reached = w.keep_node("reached", spread(numbers, axes), "i32")
+    is_pair = spread(mask, axes)
     left = iota(rows).node[:, None]
     if same_type:
-        happens = happens & reached.ne(left)
-    # A draw's number is that of the pair among all pairs.
-    numbers: Expression = Cast(left * size + reached, "u32")
-    happens = w.keep_node("pairs", happens, "bool")
+        is_pair = is_pair & reached.ne(left)
+    pair_numbers: Expression = Cast(left * size + reached, "u32")
+    is_pair = w.keep_node("pairs", is_pair, "bool")
     stream = w.stream(s.stream)
-    instance = w.keep_node("instance", numbers, "u32")
+    instance = w.keep_node("instance", pair_numbers, "u32")
     drawn = call("random_bits_at", KEY, stream, instance)
-    ranks = w.keep("order", Value(call("ranks", drawn, happens), "u32", axes))
-    pairs = call("pair_reached", reached, ranks.node, size, alike=same_type)
-    return Value(pairs, "i32", (rows,))
+    ranks = w.keep("order", Value(call("ranks", drawn, is_pair), "u32", axes))
+    partners = call("pair_reached", reached, ranks.node, size, alike=same_type)
+    return Value(partners, "i32", (rows,))

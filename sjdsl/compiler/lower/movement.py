@@ -1,4 +1,8 @@
-"""Lowers `move`: agents step as they chose, movers on their course; then collisions are settled."""
+"""Lowers `move`: agents step as they chose, movers on their course; then collisions are settled.
+
+First each one's target is computed, its own cell if it stays. The kernel `resolve` then decides who
+reaches it.
+"""
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.entity_types import AGENTS
@@ -34,12 +38,12 @@ from sjdsl.compiler.program.expressions import (
 )
 from sjdsl.runtime.actions import HEADINGS, STEPS, TURNS
 
-NO_STEP = 4
+NO_STEP = 4  # the direction of an action that is no step
 
 
 def move(s: ir.Move, scope: IterationScope, w: Writer) -> None:
-    """Writes a movement phase of agents."""
-    game = w.module.game
+    """Writes `move each agent`: they turn and step as their actions say."""
+    game = w.game
     inner = enter(s.domain, scope, w)
     actions = game.agents.actions
     turns = [TURNS.get(action, 0) for action in actions]
@@ -47,7 +51,7 @@ def move(s: ir.Move, scope: IterationScope, w: Writer) -> None:
     turn = w.module.constant("turn", turns, "quarter turns to the right by action", "i32")
     step = w.module.constant("step_by", steps, "direction of a step by action; 4: none", "i32")
     comment = "where a step leads, by cell and direction; the cell itself if blocked"
-    table = w.module.constant("next_cell", w.module.layout.next_table(), comment)
+    table = w.module.constant("next_cell", w.layout.next_table(), comment)
     chosen: Expression = Name("actions")
     if inner.mask != TRUE:
         stay = Literal(actions.index("stay"), "STAY")
@@ -71,10 +75,13 @@ def nobody_moves(s: ir.Move, w: Writer) -> None:
 
 
 def settle(s: ir.Move, entity_type: ir.EntityType, target: Name, w: Writer) -> None:
-    """Writes where agents, or the movers of a name, come to stand, all of whom have targets."""
+    """Writes the cells of agents, or of the movers of a name, after they have moved.
+
+    target: the cell that each wants, `[N]`.
+    """
     position = state_reads.positions(w, entity_type)
     attribute = attribute_of("position", entity_type)
-    if w.module.game.movers:  # all others stay, and whoever wants a cell of theirs stays as well
+    if w.game.movers:  # those of other types stay, and so do all who want a cell of theirs
         taken = call("is_one_of", target, state_reads.all_positions(w, but=entity_type))
         w.set(target, Where(taken, position, target))
     bits = bits_of_each(s.stream, entity_type, w)
@@ -84,7 +91,7 @@ def settle(s: ir.Move, entity_type: ir.EntityType, target: Name, w: Writer) -> N
 
 
 def stay_if_blocked(body: AgentVar, target: Name, w: Writer) -> None:
-    """Writes that whoever wants to enter a cell that blocks under a condition stays."""
+    """Writes that who would enter a cell that blocks under a condition has its own as target."""
     position = state_reads.positions(w, body.entity_type)
     for block, kind in conditional_blocks(body.entity_type.plural, w):
         if body.axis is None:
@@ -97,7 +104,7 @@ def stay_if_blocked(body: AgentVar, target: Name, w: Writer) -> None:
 
 
 def move_on_course(s: ir.Move, scope: IterationScope, w: Writer) -> None:
-    """Writes a phase in which movers go along a heading, or to an open cell beside them."""
+    """Writes `move each deer along HEADING`, or `at random`, `toward` or `away from` something."""
     course = s.course
     assert course is not None
     inner = enter(s.domain, scope, w)
@@ -111,8 +118,8 @@ def move_on_course(s: ir.Move, scope: IterationScope, w: Writer) -> None:
         case ir.Along():
             value = w.value(course.heading, inner)
             heading = to_words(value, course.heading.type.words, HEADINGS, w)
-            spread_heading = broadcast(heading, (axis,))
-            direction = w.keep("way", as_dtype(spread_heading, "i32"))
+            heading_of_each = broadcast(heading, (axis,))
+            direction = w.keep("way", as_dtype(heading_of_each, "i32"))
             goes = inner.mask
         case ir.Wander():
             direction, goes = _open_direction(course, inner, mover, w)
@@ -136,7 +143,7 @@ def _next_table(entity_type: ir.EntityType, w: Writer) -> Name:
     comment = (
         f"where a step leads {entity_type.name}, by cell and direction; the cell itself if blocked"
     )
-    table = w.module.layout.next_table(entity_type.name)
+    table = w.layout.next_table(entity_type.name)
     return w.module.constant(f"next_cell_of_{entity_type.name}", table, comment)
 
 
@@ -151,14 +158,17 @@ def _keeps_heading(course: ir.Along | ir.Wander) -> bool:
 def _open_direction(
     course: ir.Wander, scope: IterationScope, mover: AgentVar, w: Writer
 ) -> tuple[Value, Value]:
-    """Returns in which direction each mover goes, a random open one, and whether it goes at all."""
+    """Returns in which direction each mover goes, a random open one, and whether it goes at all.
+
+    Open are directions to an empty cell that doesn't block the mover, isn't avoided, and is nearer
+    to the goal, or farther from it, if there is one.
+    """
     assert mover.axis is not None
     axis = mover.axis
-    ways = w.axis("way", 4)
-    axes = (axis, ways)
+    directions = w.axis("way", 4)
+    axes = (axis, directions)
     position = state_reads.positions(w, mover.entity_type)[:, None]
-    directions = iota(ways).node[None, :]
-    entry = position * 4 + directions
+    entry = position * 4 + iota(directions).node[None, :]
     beside = w.keep("beside", Value(_next_table(mover.entity_type, w)[entry], "i32", axes))
     taken = call("is_one_of", beside.node, state_reads.all_positions(w))
     leads_away = beside.node.ne(position)
@@ -182,14 +192,14 @@ def _open_direction(
 def _better(
     goal: ir.Domain, away: bool, scope: IterationScope, mover: AgentVar, axis: Axis, w: Writer
 ) -> Expression:
-    """Returns which cells beside each mover are nearer to the nearest member of a goal.
+    """Returns which steps bring each mover nearer to the nearest member of a goal: `[M, 4]` bool.
 
-    away: farther from it. Returns `[M, 4]` bool.
+    away: those that bring it farther from that member instead.
     """
     if is_empty(goal, w):
         return zeros("bool", axis.extent, 4)
     cells, is_member = _members(goal, scope, axis, w)
-    layout = w.module.layout
+    layout = w.layout
     positions = state_reads.positions(w, mover.entity_type)
     around = {"around": (layout.height, layout.width)} if layout.wraps else {}
     gained = call("gains", positions, cells, is_member, w.module.frame_cols, **around)
@@ -204,11 +214,11 @@ def _members(
     Both are `[M, T]`, or `[1, T]` if they are the same for all movers.
     """
     inner = enter(d, scope.always(), w)
-    at = state_reads.location(inner.variables[d.var.name], w)
-    mask = inner.mask
+    cells = state_reads.location(inner.variables[d.var.name], w)
+    is_member = inner.mask
     added = without(inner.axes, scope.axes)
     if not added:  # one candidate for each mover
-        return spread(at, (axis,))[:, None], spread(mask, (axis,))[:, None]
-    if not mask.axes:
-        mask = broadcast(mask, added)
-    return aligned(at, (axis, *added)), aligned(mask, (axis, *added))
+        return spread(cells, (axis,))[:, None], spread(is_member, (axis,))[:, None]
+    if not is_member.axes:
+        is_member = broadcast(is_member, added)
+    return aligned(cells, (axis, *added)), aligned(is_member, (axis, *added))

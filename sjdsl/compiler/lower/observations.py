@@ -1,4 +1,9 @@
-"""Lowers `observe`: paints the map once, cuts it into windows, and decodes observation planes."""
+"""Lowers `observe`: paints the map once, cuts it into windows, and decodes observation planes.
+
+The map is painted as bytes, the same for all observers (`painting.py`). Each observer's window is
+cut out of it. The parts of its bytes then become the planes that the observer is shown: what is
+hidden from it is taken out, and other agents are turned as it sees them.
+"""
 
 from dataclasses import replace
 from math import prod
@@ -62,15 +67,15 @@ from sjdsl.compiler.program.expressions import (
 
 
 def somebody_seen(planes: dict[str, Value], w: Writer) -> Value:
-    """Returns where an agent stands, the observer too."""
+    """Returns on which cells of the windows an agent stands, also the observer itself."""
     return w.keep("somebody", planes["agent"].ne(0))
 
 
 def without_hidden_marks(planes: dict[str, Value], axes: Axes, w: Writer) -> Value:
-    """Returns the marks that are seen as bits: none on the cells on which they are hidden."""
+    """Returns the marks of each cell as bits, without those that are hidden from the observer."""
     marks = planes["marks"]
-    all_hidden = w.module.game.hidden
-    by_kind = {look.kind.name: look for look in looks(w.module.game) if look.present}
+    all_hidden = w.game.hidden
+    by_kind = {look.kind.name: look for look in looks(w.game) if look.present}
     raw = planes["content"]
     if any(hidden.on == "cells" for hidden in all_hidden):
         raw = w.keep("raw", raw)
@@ -89,7 +94,10 @@ def without_hidden_marks(planes: dict[str, Value], axes: Axes, w: Writer) -> Val
 
 
 def _is_hidden_on(look: Look, hidden: ir.Hidden, raw: Value, axes: Axes, w: Writer) -> Value:
-    """Returns which painted numbers are cells of a kind on which marks are hidden."""
+    """Returns on which cells of the windows a `hide marks on KIND when ...` hides them.
+
+    raw: the cells as painted.
+    """
     is_kind, values = look_fields(look, raw, w)
     if hidden.when is None:
         return is_kind
@@ -97,9 +105,9 @@ def _is_hidden_on(look: Look, hidden: ir.Hidden, raw: Value, axes: Axes, w: Writ
 
 
 def look_fields(look: Look, raw: Value, w: Writer) -> tuple[Value, dict[str, Value]]:
-    """Returns which painted numbers are of a kind, and the values of its painted fields.
+    """Returns which cells are of a kind, and the values of its painted fields by name.
 
-    Where another kind is, the values mean nothing.
+    Where another kind is, the values mean nothing. raw: the cells as painted.
     """
     name = look.kind.name
     first = first_look(look, w)
@@ -115,9 +123,11 @@ def look_fields(look: Look, raw: Value, w: Writer) -> tuple[Value, dict[str, Val
 
 
 def seen_cell(look: Look, name: str, values: dict[str, Value], axes: Axes) -> IterationScope:
-    """Returns the scope of a condition about the observer and a cell that it sees.
+    """Returns the scope of a condition on `agent`, the observer, and a cell that it sees.
 
-    values: of the painted fields, which need not be looked up.
+    Args:
+      name: of the cell in the condition.
+      values: its painted fields, which so need not be looked up.
     """
     painted = tuple(values.items())
     cell = CellVar(literal(0, "i32"), (look.kind.name,), painted=painted, seen=axes)
@@ -126,9 +136,10 @@ def seen_cell(look: Look, name: str, values: dict[str, Value], axes: Axes) -> It
 
 def observe(w: Writer) -> Expression:
     """Writes the statements of `observe`; returns the observation."""
-    game = w.module.game
+    game = w.game
     heading = seen_heading(game)
     is_sometimes_hidden = heading is not None and heading.hidden_when is not None
+    # Whether each cell has the number of the agent on it, to look up what is shown of that agent.
     by_id = is_sometimes_hidden or any(s.what == "other" for s in game.observables)
     parts = parts_of(game, by_id)
     painted = paint_planes(parts, by_id, w)
@@ -160,12 +171,12 @@ def _cut_windows(painted: list[Name], w: Writer) -> list[Name]:
     """Writes the windows of all observers, of each painted plane."""
     sides = []
     for side in ("ahead", "behind", "left", "right"):
-        cells = getattr(w.module.game.window, side)
+        cells = getattr(w.game.window, side)
         sides.append((side, w.module.number(side, cells, "cells of a window")))
     seen = []
     for number, plane in enumerate(painted):
         frame: Expression = reshaped(plane, Name("FRAME"))
-        if w.module.layout.wraps:
+        if w.layout.wraps:
             frame = call("joined_edges", frame, Name("PAD"))
         windows = Call(Name("windows"), (frame, POSITION, HEADING), tuple(sides))
         seen.append(w.bind(f"seen_{number}", windows))
@@ -177,14 +188,14 @@ def _own_windows(seen: list[Name], axes: Axes, w: Writer) -> list[Name]:
 
     Beyond it everything is as off the map.
     """
-    views = w.module.game.window.views
+    views = w.game.window.views
     if not views:
         return seen
     place = scope_of_agents(axes[:1])
     inside = TRUE  # replaced by the last view, which has no condition
     for number, view in reversed(list(enumerate(views))):
         w.origin = view.origin
-        table = w.module.layout.view_cells_table(view)
+        table = w.layout.view_cells_table(view)
         mask = w.module.constant(f"view_{number}", table, "cells of one of the windows")
         cells = Value(mask, "bool", axes[1:])
         if view.condition is None:
@@ -201,11 +212,11 @@ def _own_windows(seen: list[Name], axes: Axes, w: Writer) -> list[Name]:
 
 def _myself(w: Writer) -> Expression:
     """Returns which cell of its window is the observer's own."""
-    if w.module.layout.shows_cells_twice:
+    if w.layout.shows_cells_twice:
         comment = "which cells of its window show the observer's own"
-        table = w.module.constant("myself", w.module.layout.own_cells_table, comment)
+        table = w.module.constant("myself", w.layout.own_cells_table, comment)
         return table[HEADING]
-    game = w.module.game
+    game = w.game
     own_cell = call("own_cell", *view_size(game), game.window.ahead, game.window.left)
     comment = "which cell of its window is the observer's own"
     return w.module.constant("myself", own_cell, comment)[None]
@@ -221,23 +232,24 @@ def _standing(plane: Value, name: str, entity_type: ir.EntityType, w: Writer) ->
 
 
 def _part_of(part: Part, parts: tuple[Part, ...], seen: Expression, axes: Axes, w: Writer) -> Value:
-    """Returns a part of a byte that was painted."""
+    """Returns the numbers of a part. seen: the windows of its plane."""
     shifted = Value(seen, "u8", axes) >> shift_of(part, w)
-    if sum(p.plane == part.plane for p in parts) == 1:
+    is_alone = all(other is part or other.plane != part.plane for other in parts)
+    if is_alone:
         return shifted
     return shifted & w.module.number(f"{part.name}_mask", 2**part.bits - 1)
 
 
 def _full(column: Value, axes: Axes) -> Expression:
-    """Returns a value broadcast to axes: a column over the window."""
+    """Returns a plane at the full length of all axes, as uint8."""
     if column.literal:
         column = replace(column, node=scalar(column.node, "u8"))
     return spread(column, axes)
 
 
 def _content(raw: Value, axes: Axes, w: Writer) -> Value:
-    """Returns the content as each observer is shown it."""
-    game = w.module.game
+    """Returns what is in each cell as each observer is shown it. raw: as it is painted."""
+    game = w.game
     present = [look for look in looks(game) if look.present]
     if all(look.same and look.raw == look.final for look in present):
         return raw
@@ -262,7 +274,7 @@ def _content(raw: Value, axes: Axes, w: Writer) -> Value:
 
 
 def _shifted(raw: Value, shift: int, kind: str, w: Writer) -> Value:
-    """Returns the numbers that are shown of a kind and those after it, from the painted ones."""
+    """Returns the painted numbers plus the shift that holds from a kind on."""
     if shift == 0:
         return raw
     if shift > 0:
@@ -273,7 +285,10 @@ def _shifted(raw: Value, shift: int, kind: str, w: Writer) -> Value:
 
 
 def _shown(look: Look, values: dict[str, Value], axes: Axes, w: Writer) -> Value:
-    """Returns the number of a kind's look for each observer, from its painted values."""
+    """Returns the number that each observer is shown for cells of a kind.
+
+    values: the kind's painted fields.
+    """
     name = look.kind.name
     place = seen_cell(look, name, values, axes)
     if look.labels:
@@ -292,7 +307,10 @@ def _shown(look: Look, values: dict[str, Value], axes: Axes, w: Writer) -> Value
 def _labelled(
     observable: ir.Observable, numbers: dict[str, int], place: IterationScope, w: Writer
 ) -> Value:
-    """Returns the number of the first label whose condition holds, else that of the last."""
+    """Returns the number of the first label whose condition holds, else that of the last.
+
+    numbers: label -> its number.
+    """
     arms = []
     for label in reversed(observable.labels):  # written in the order in which the selects nest
         if label.condition is not None:
@@ -322,7 +340,7 @@ def _observable(
 
 
 def _condition(test: ir.Expr, place: IterationScope, w: Writer) -> Value:
-    """Returns the condition of a label or a `hide`, which is where what is not supported is."""
+    """Returns a condition; what is not supported in it is reported there."""
     try:
         return w.value(test, place)
     except NotSupported as refused:
@@ -335,9 +353,9 @@ def _agents(agent: Value, axes: Axes, by_id: bool, w: Writer) -> list[Value]:
     is_self = _myself(w)
     agent = w.keep("agent", agent)
     somebody = agent.ne(0).node
-    if w.module.layout.shows_cells_twice:  # the observer's own cell is seen only inside its window
+    if w.layout.shows_cells_twice:  # the observer's own cell is seen only inside its window
         is_self = is_self & somebody
-    heading = seen_heading(w.module.game)
+    heading = seen_heading(w.game)
     if not by_id and heading is None:
         return [_agent_plane(is_self, somebody, Literal(OTHER_FACING), axes, w)]
     if not by_id:
@@ -360,23 +378,23 @@ def _agents(agent: Value, axes: Axes, by_id: bool, w: Writer) -> list[Value]:
 def _headings(
     heading: ir.Observable, standing: AgentVar, place: IterationScope, w: Writer
 ) -> Expression:
-    """Returns the numbers of others by their headings, or of others whose heading is hidden."""
+    """Returns the numbers of others in the plane of agents: by heading, unless that is hidden."""
     difference = HEADING[standing.number.node] - HEADING[:, None]
     numbers = Cast(relative_heading(difference, OTHER_FACING), "u8")
     if heading.hidden_when is None:
         return numbers
-    faceless = len(agent_labels(w.module.game)) - 1
+    faceless = len(agent_labels(w.game)) - 1
     is_hidden = _condition(heading.hidden_when, place, w)
     return select(is_hidden, faceless, Value(numbers, "u8", place.axes)).node
 
 
 def _shown_of(what: str, w: Writer) -> list[ir.Observable]:
     """Returns what is shown of others, of movers, of everyone, of the observer or of the world."""
-    return [observable for observable in w.module.game.observables if observable.what == what]
+    return [observable for observable in w.game.observables if observable.what == what]
 
 
 def _one_up(observable: ir.Observable, value: Value) -> Value:
-    """Returns a word's number one up, since 0 says that nobody is there; numbers stay."""
+    """Returns an enum value's number plus 1, as 0 says that nobody is there; numbers stay."""
     if observable.labels or observable.type.kind == "word":
         return value + 1
     return value
@@ -387,7 +405,8 @@ def _visible(
 ) -> Value:
     """Returns what is seen of somebody; 0 where nobody is.
 
-    Where the rules do not show it, it is 0, or the word `hidden` if it is shown under a condition.
+    Where it is hidden it is 0; where a condition for showing it doesn't hold, it is the enum value
+    `hidden`, which comes last, or 0 if it is a number.
     """
     hidden_when = observable.hidden_when
     if observable.shown_when is None:
@@ -422,7 +441,10 @@ def _agent_plane(
 def _field_observable(
     observable: ir.Observable, body: AgentVar | None, place: IterationScope, w: Writer
 ) -> Value:
-    """Returns the value of a shown field as a byte. body: whose it is, None for the world's."""
+    """Returns what is shown, as a byte: a label, an attribute, a `define` or a field.
+
+    body: whose it is, None for the world's.
+    """
     if observable.labels:
         names = dict.fromkeys(label.name for label in observable.labels)
         return _labelled(observable, {name: number for number, name in enumerate(names)}, place, w)
@@ -430,7 +452,7 @@ def _field_observable(
         return _attribute_observable(observable, place, w)
     if observable.value is not None:
         return as_dtype(w.value(observable.value, place), "u8")
-    declared = shown_field(w.module.game, observable)
+    declared = shown_field(w.game, observable)
     read = ir.FieldRead(
         type=declared.type, owner=None, held_by=declared.held_by, name=observable.field
     )

@@ -1,4 +1,8 @@
-"""Paints the map as observers see it: numbers in cells, packed into as few bytes as fit."""
+"""Paints the map as observers see it: numbers in cells, packed into as few bytes as fit.
+
+A painted plane has a byte for each cell of the frame. Its bits are divided into parts: what is in
+the cell, which agent stands on it, which mover, and which marks it has.
+"""
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
@@ -12,7 +16,7 @@ from sjdsl.compiler.program.expressions import Arange, Cast, Name, call, path, s
 
 
 class Part(Record):
-    """Some bits of a painted byte."""
+    """Some bits of a painted byte. plane: which of the painted planes. shift: its lowest bit."""
 
     name: str
     plane: int
@@ -21,9 +25,9 @@ class Part(Record):
 
 
 def parts_of(game: ir.Game, by_id: bool) -> tuple[Part, ...]:
-    """Returns where content, agents, movers and marks are kept, in as few bytes as they fit.
+    """Returns the parts for content, agents, movers and marks, in as few planes as they fit.
 
-    by_id: whether agents are told apart by their numbers, not by their headings alone.
+    by_id: whether an agent is painted as its number, not only as its heading.
     """
     num_contents = max(look.raw + look.raw_values for look in looks(game))
     agent_bits = _bits(game.agents.number + 1) if by_id else 3
@@ -49,7 +53,10 @@ def parts_of(game: ir.Game, by_id: bool) -> tuple[Part, ...]:
 
 
 def shown_movers(movers: ir.Movers, game: ir.Game) -> int:
-    """Returns how many movers are told apart: 1 if only their presence is seen, 0 if nothing."""
+    """Returns how many different numbers movers of a name are painted with.
+
+    All have their own if something of theirs is seen; 1 if only where they are is; 0 if nothing is.
+    """
     shown = [s for s in game.observables if s.what == "mover" and s.kind == movers.name]
     if not shown:
         return 0
@@ -63,6 +70,7 @@ def shown_movers(movers: ir.Movers, game: ir.Game) -> int:
 
 
 def _bits(values: int) -> int:
+    """Returns how many bits can hold so many different values."""
     return max(1, (values - 1).bit_length())
 
 
@@ -73,18 +81,18 @@ def _reads_mover(condition: ir.Expr) -> bool:
 
 
 def shift_of(part: Part, w: Writer) -> Value:
-    """Returns the place of a part's lowest bit."""
+    """Returns the place of a part's lowest bit, as a named constant of the module."""
     if not part.shift:
         return literal(0, "u8")
     return Value(w.module.number(f"{part.name}_shift", part.shift), "u8")
 
 
 def paint_planes(parts: tuple[Part, ...], by_id: bool, w: Writer) -> list[Name]:
-    """Writes the planes of bytes with all that is seen of the cells of the map."""
-    layout = w.module.layout
+    """Writes the planes with all that is seen of the cells of the map; returns their names."""
+    layout = w.layout
     by_name = {part.name: part for part in parts}
     content = by_name["content"]
-    numbers = {look.kind.name: look.raw << content.shift for look in looks(w.module.game)}
+    numbers = {look.kind.name: look.raw << content.shift for look in looks(w.game)}
     comment = "looks of the cells of the frame, fields aside"
     base = w.module.constant("base", layout.base_table(numbers), comment)
     frame_cells = w.module.number("frame_cells", layout.rows * layout.cols)
@@ -93,13 +101,13 @@ def paint_planes(parts: tuple[Part, ...], by_id: bool, w: Writer) -> list[Name]:
     for number in range(1 + max(part.plane for part in parts)):
         planes.append(w.bind(f"plane_{number}", base if number == content.plane else empty))
     _paint_fields(planes[content.plane], content, w)
-    for number, phase in enumerate(seen_marks(w.module.game)):
+    for number, phase in enumerate(seen_marks(w.game)):
         marks = by_name["marks"]
         plane = planes[marks.plane]
         w.origin = phase.origin
         bit = w.module.number(f"mark_{phase.name}_bit", 1 << marks.shift + number)
         w.set(plane, call("paint", plane, path(f"state.mark_{phase.name}"), bit))
-    for entity_type in body_types(w.module.game):
+    for entity_type in body_types(w.game):
         if entity_type.name in by_name:
             part = by_name[entity_type.name]
             _paint_bodies(planes[part.plane], part, entity_type, by_id, w)
@@ -113,9 +121,9 @@ def first_look(look: Look, w: Writer) -> Value:
 
 def _paint_fields(plane: Name, content: Part, w: Writer) -> None:
     """Writes the looks of cells of which fields are seen."""
-    for look in looks(w.module.game):
+    for look in looks(w.game):
         kinds = (look.kind.name,)
-        if not look.painted or not w.module.layout.num_cells(kinds):
+        if not look.painted or not w.layout.num_cells(kinds):
             continue
         cells = state_reads.cells_of(kinds, w)
         w.origin = look.kind.origin
@@ -135,7 +143,7 @@ def _paint_bodies(
     plane: Name, part: Part, entity_type: ir.EntityType, by_id: bool, w: Writer
 ) -> None:
     """Writes where agents or movers are: their number, their heading, or 1."""
-    game = w.module.game
+    game = w.game
     is_agent = entity_type.what == "agent"
     extent = w.module.extent(entity_type)
     w.origin = game.agents.origin if is_agent else movers_named(game, entity_type.name).origin

@@ -1,4 +1,8 @@
-"""Lowers the return of those who were sent away for some ticks, a part of `tick`."""
+"""Lowers the return of those who were sent away for some ticks, which is a part of `tick`.
+
+The state stores of each agent that is away the ticks that are left, the pool it was sent to, and
+the heading that it will have.
+"""
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.free_variables import variables_around
@@ -17,25 +21,27 @@ from sjdsl.compiler.program.expressions import Cast, Expression, Literal, Name, 
 
 
 def bring_back(pools: Pools, entity_types: list[ir.EntityType], w: Writer) -> None:
-    """Writes how delays count down, and how those come back whose delay is over.
+    """Writes that delays count down, and that those come back whose delay is over.
 
-    They come back pool by pool, each onto the map as it then is. entity_types: of those who can be
-    away.
+    They come back pool by pool: those of the first pool are on the map before those of the next.
+
+    entity_types: of those who can be away.
     """
     due = _count_down(entity_types, w)
-    for pool in (p for of_phase in pools.values() for p in of_phase):
-        if any(s.after is not None for s in sends_of(pool, w.module)):
-            w.forget()
-            w.origin = pool.send.origin
-            _bring_back_to(pool, due[pool.entity_type], w)
+    for pools_of_phase in pools.values():
+        for pool in pools_of_phase:
+            if any(s.after is not None for s in sends_of(pool, w.module)):
+                w.forget()
+                w.origin = pool.send.origin
+                _bring_back_to(pool, due[pool.entity_type], w)
     w.forget()
     w.origin = None
 
 
 def _count_down(entity_types: list[ir.EntityType], w: Writer) -> dict[ir.EntityType, Expression]:
-    """Writes the ticks that everybody is still away; returns who is due, `[N]` bool."""
+    """Writes that everybody's delay falls by one; returns who is due now, `[N]` bool, by type."""
     due: dict[ir.EntityType, Expression] = {}
-    left: dict[str, Expression] = {}
+    left: dict[str, Expression] = {}  # ticks, by attribute of State
     for entity_type in entity_types:
         attribute = attribute_of("away", entity_type)
         away = path(f"state.{attribute}")
@@ -47,7 +53,7 @@ def _count_down(entity_types: list[ir.EntityType], w: Writer) -> dict[ir.EntityT
 
 
 def _bring_back_to(pool: Pool, due: Expression, w: Writer) -> None:
-    """Writes how those come back who are due and were sent to a pool."""
+    """Writes the new cells and headings of those who are due and were sent to a pool."""
     entity_type = pool.entity_type
 
     def stored(name: str) -> Expression:
@@ -75,7 +81,7 @@ def _fitting_on_return(pool: Pool, w: Writer) -> Expression | None:
     None if the same fit all.
     """
     s = next(s for s in sends_of(pool, w.module) if s.after is not None)
-    named = variables_around(s.domain)
+    named = variables_around(s.domain)  # all are the agent that comes back
     if not named:
         return None
     agents = w.axis(pool.entity_type.name, w.module.extent(pool.entity_type))

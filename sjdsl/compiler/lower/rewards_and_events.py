@@ -1,4 +1,10 @@
-"""Lowers `give` and `tally`: sums rewards and event counts over all instances of a statement."""
+"""Lowers `give` and `tally`: sums rewards and event counts over all instances of a statement.
+
+    each agent on orchard { give apple to agent }  reward + jnp.where(on_orchard, params.apple, 0.0)
+
+Who receives may also be a computed agent, a set of agents, or all of them. Where all instances give
+the same amount, how often each agent gets it is counted, which is cheaper than adding amounts.
+"""
 
 import math
 from dataclasses import replace
@@ -35,29 +41,32 @@ from sjdsl.compiler.program.expressions import (
     scalar,
 )
 
-MANY = 64  # instances from which on agents are counted by the bits of sets
+MANY = 64  # instances from which on it pays to count agents by the bits of sets
 
 
 def give(s: ir.Give, scope: IterationScope, w: Writer) -> None:
-    """Adds to the rewards of this step."""
+    """Writes `give amount to receiver`: adds to the rewards of this step."""
     amount = real(s.value, scope, w)
-    named = "" if isinstance(s.value, ir.Number) else value_name(s.value)
-    name = f"num_{named}" if named else "times"  # how often each agent gets it
+    amount_name = "" if isinstance(s.value, ir.Number) else value_name(s.value)
+    count_name = f"num_{amount_name}" if amount_name else "times"
     if s.receiver is not None:
-        deliver("reward", _received(s.receiver, amount, scope, w, name), w)
+        deliver("reward", _received(s.receiver, amount, scope, w, count_name), w)
         return
-    reached = scope.mask
+    receives = scope.mask
     if s.but is not None:
-        is_left_out = one_hot(agent(s.but, scope, w).number, w.axis("receiver", w.module.agents))
-        reached = scope.mask & ~is_left_out
-    deliver("reward", _summed(reached, amount, scope.axes, w, name), w)
+        axis = w.axis("receiver", w.module.agents)
+        is_left_out = one_hot(agent(s.but, scope, w).number, axis)
+        receives = scope.mask & ~is_left_out
+    deliver("reward", _summed(receives, amount, scope.axes, w, count_name), w)
 
 
 def tally(s: ir.Tally, scope: IterationScope, w: Writer) -> None:
-    """Counts an event."""
-    event = event_named(w.module.game, s.event)
+    """Writes `tally event[key] for receiver`: adds to the counts of this step."""
+    event = event_named(w.game, s.event)
     attribute = f"event_{param_attribute(s.event)}"
-    amount = literal(1, "i32") if s.amount is None else as_dtype(w.value(s.amount, scope), "i32")
+    amount = literal(1, "i32")
+    if s.amount is not None:
+        amount = as_dtype(w.value(s.amount, scope), "i32")
     if s.word is None:
         _count(s, attribute, None, amount, scope, w)
         return
@@ -69,48 +78,50 @@ def tally(s: ir.Tally, scope: IterationScope, w: Writer) -> None:
     if isinstance(s.receiver, ir.Member):
         agents = scope.variables[s.receiver.name].axis
         if agents is not None and scope.axes == (agents,):
-            # All columns at once: one sum instead of an update for each.
-            column = w.axis("word", w.module.num_entries(event.by))
-            counts = _received(s.receiver, amount, scope.when(one_hot(key, column)), w, s.event)
-            # The word may be the same for all agents.
-            deliver(attribute, replace(counts, node=aligned(counts, (agents, column))), w)
+            # All entries at once: one sum instead of an update for each.
+            entries = w.axis("word", w.module.num_entries(event.by))
+            counts = _received(s.receiver, amount, scope.when(one_hot(key, entries)), w, s.event)
+            # The key may be the same for all agents.
+            deliver(attribute, replace(counts, node=aligned(counts, (agents, entries))), w)
             return
     for entry in event.by.entries:
-        word = as_dtype(w.module.entry(entry), key.dtype)
-        _count(s, attribute, word.node, amount, scope.when(key.eq(word)), w)
+        place = as_dtype(w.module.entry(entry), key.dtype)
+        _count(s, attribute, place.node, amount, scope.when(key.eq(place)), w)
 
 
 def _count(
     s: ir.Tally,
     attribute: str,
-    column: Expression | None,
+    entry: Expression | None,
     amount: Value,
     scope: IterationScope,
     w: Writer,
 ) -> None:
-    """Adds to an event's count, for the whole game or for those who receive it."""
+    """Adds to an event's count, of the game or of each receiver. entry: of an event by words."""
     if s.receiver is not None:
         amounts = _received(s.receiver, amount, scope, w, s.event)
     else:
         amounts = _summed(scope.mask, amount, scope.axes, w, s.event)
-    deliver(attribute, amounts, w, column)
+    deliver(attribute, amounts, w, entry)
 
 
-def deliver(attribute: str, amounts: Value, w: Writer, column: Expression | None = None) -> None:
-    """Adds to an attribute of the outcome, or to a column of it."""
+def deliver(attribute: str, amounts: Value, w: Writer, entry: Expression | None = None) -> None:
+    """Adds to an attribute of the outcome, or to one entry of its last axis."""
     if amounts.literal and not amounts.number:
         return
     before = w.total(attribute)
-    if column is None:
+    if entry is None:
         w.accumulate(attribute, joined("+", before, amounts.node))
     else:
-        w.accumulate(attribute, call("add_to_entry", before, column, amounts.node))
+        w.accumulate(attribute, call("add_to_entry", before, entry, amounts.node))
 
 
 def _received(e: ir.Expr, amount: Value, scope: IterationScope, w: Writer, name: str) -> Value:
-    """Returns what each agent gets in all: `[N]`, or a number if that is the same for all.
+    """Returns what each agent gets from all instances: `[N]`, or a number if all get the same.
 
-    name: of how often it gets the amount.
+    Args:
+      e: the agent, or the set of agents, that receives the amount in each instance.
+      name: in generated code, of the number of times that each agent gets the amount.
     """
     axis = w.axis("receiver", w.module.agents)
     is_large = math.prod(a.size for a in scope.axes) >= MANY
@@ -124,29 +135,34 @@ def _received(e: ir.Expr, amount: Value, scope: IterationScope, w: Writer, name:
     if who.axis is not None:
         return _summed(scope.mask, amount, without(scope.axes, (who.axis,)), w, name)
     if by_bits:
-        return _counted(_alone(who, scope, w), amount, axis, scope, w, name)
+        return _counted(_sets_of_one(who, scope, w), amount, axis, scope, w, name)
     if scope.mask == TRUE or not who.number.axes:
-        reached = scope.mask & one_hot(who.number, axis)
-        return _summed(reached, amount, scope.axes, w, name)
+        receives = scope.mask & one_hot(who.number, axis)
+        return _summed(receives, amount, scope.axes, w, name)
     return _summed_by_agent(who.number, amount, axis, scope, w, name)
 
 
 def _summed_by_agent(
-    index: Value, amount: Value, axis: Axis, scope: IterationScope, w: Writer, name: str
+    receivers: Value, amount: Value, axis: Axis, scope: IterationScope, w: Writer, name: str
 ) -> Value:
-    """Returns what each agent gets in all from the instances, each of which names one."""
+    """Returns what each agent gets from all instances, each of which names one by its number."""
     is_same = not any(a in amount.axes for a in scope.axes)
     amounts = scope.mask if is_same else select(scope.mask, amount, 0)
-    axes = axes_of(index, amounts)
-    node = call("segment_sum", spread(amounts, axes), spread(index, axes), axis.extent)
-    alike = literal(math.prod(a.size for a in without(scope.axes, axes)), "i32")
+    axes = axes_of(receivers, amounts)
+    node = call("segment_sum", spread(amounts, axes), spread(receivers, axes), axis.extent)
+    repeated = _repetitions(scope, axes)
     if is_same:
-        return _times(alike * w.keep(name, Value(node, "i32", (axis,))), amount)
-    return _times(alike, Value(node, amount.dtype, (axis,)))
+        return _times(repeated * w.keep(name, Value(node, "i32", (axis,))), amount)
+    return _times(repeated, Value(node, amount.dtype, (axis,)))
 
 
-def _alone(who: AgentVar, scope: IterationScope, w: Writer) -> Value:
-    """Returns an agent of each instance as a set of one, empty if the instance does not happen."""
+def _repetitions(scope: IterationScope, axes: Axes) -> Value:
+    """Returns how many instances there are for each entry of an array over some of their axes."""
+    return literal(math.prod(axis.size for axis in without(scope.axes, axes)), "i32")
+
+
+def _sets_of_one(who: AgentVar, scope: IterationScope, w: Writer) -> Value:
+    """Returns the agent of each instance as a set, empty if the instance doesn't happen."""
     if who.alone is None:
         dtype = w.module.set_dtype
         bit = scalar(Literal(1), dtype) << as_dtype(who.number, dtype).node
@@ -161,22 +177,21 @@ def _alone(who: AgentVar, scope: IterationScope, w: Writer) -> Value:
 def _counted(
     sets: Value, amount: Value, axis: Axis, scope: IterationScope, w: Writer, name: str
 ) -> Value:
-    """Returns an amount times the number of instances whose set an agent is in."""
-    count = w.keep(name, Value(call("times_in", sets.node, axis.extent), "i32", (axis,)))
-    alike = literal(math.prod(a.size for a in without(scope.axes, sets.axes)), "i32")
-    return _times(count, _times(alike, amount))
+    """Returns what each agent gets if it gets the same amount from each set that it is in.
 
-
-def _summed(reached: Value, amount: Value, over: Axes, w: Writer, name: str) -> Value:
-    """Returns the sum over the instances that are reached.
-
-    Where all give the same, they are counted, which is cheaper than adding.
+    sets: of each instance, as bits; amount: the same for all instances.
     """
-    if reached == TRUE:
+    count = w.keep(name, Value(call("times_in", sets.node, axis.extent), "i32", (axis,)))
+    return _times(count, _times(_repetitions(scope, sets.axes), amount))
+
+
+def _summed(receives: Value, amount: Value, over: Axes, w: Writer, name: str) -> Value:
+    """Returns the sum of the amounts along the axes `over`, where `receives` holds."""
+    if receives == TRUE:
         return reduce("sum", amount, over)
     if over and not any(axis in amount.axes for axis in over):
-        return _times(w.keep(name, reduce("sum", reached, over)), amount)
-    return reduce("sum", select(reached, amount, 0), over)
+        return _times(w.keep(name, reduce("sum", receives, over)), amount)
+    return reduce("sum", select(receives, amount, 0), over)
 
 
 def _times(count: Value, amount: Value) -> Value:

@@ -1,4 +1,10 @@
-"""Lowers quantifiers that choose members: `pick` at random, `first` along lanes of a shape."""
+"""Lowers quantifiers that choose members: `pick` at random, `first` along lanes of a shape.
+
+    pick 1 water where water.state is clean { ... }  water, found = pick(is_clean, random_bits(...))
+
+A chosen member is a computed number, so `pick 1` adds no axis; `pick n` has the axis of the
+candidates, with a mask of those that are chosen; `first` has an axis of the lanes.
+"""
 
 from dataclasses import replace
 from functools import reduce
@@ -27,7 +33,6 @@ from sjdsl.compiler.lower.axes import (
 )
 from sjdsl.compiler.lower.domains import (
     enter,
-    has_inner_blocks,
     is_empty,
     number_in,
     sites_in,
@@ -57,30 +62,33 @@ from sjdsl.compiler.program.expressions import (
     scalar,
 )
 
-MANY_SETS = 64  # from so many sets on, bits are drawn only if some set has several members
+MANY_SETS = 64  # from so many sets on, random bits are drawn only if some set has several members
 
 
 def pick(
     s: ir.Pick, scope: IterationScope, w: Writer
 ) -> tuple[IterationScope, Value, tuple[ir.Stmt, ...]]:
-    """Returns the scope inside a `pick`, where there was no member, and the block to write.
+    """Lowers `pick n DOMAIN { body }`.
 
-    The block of a lone `chance` may be written instead, as a part of the pick.
+    Returns:
+      the scope inside, where there was no candidate, and the statements to write inside: the body,
+      or that of a `chance` which is all of the body, if the `chance` has become part of the pick.
     """
     if is_empty(s.domain, w):
         return scope.when(FALSE), TRUE, s.body
     inner = _candidates_of(s.domain, scope.always(), w)
     number = as_dtype(w.value(s.number, scope), "i32")
-    if inner.axes == scope.axes:  # the member is determined: it is there or not
-        there = inner.mask
-        return inner.when(scope.mask).when(there & (number > 0)), ~there, s.body
-    member = inner.variables[s.domain.var.name]
-    total = w.module.extent(member.entity_type)
-    if isinstance(member, CellVar) and isinstance(s.domain.restriction, ir.Near):
-        total = inner.axes[-1].extent
+    if inner.axes == scope.axes:  # one certain candidate, which is a member or not
+        is_member = inner.mask
+        picked = inner.when(scope.mask).when(is_member & (number > 0))
+        return picked, ~is_member, s.body
+    candidate = inner.variables[s.domain.var.name]
+    num_candidates = w.module.extent(candidate.entity_type)
+    if isinstance(candidate, CellVar) and isinstance(s.domain.restriction, ir.Near):
+        num_candidates = inner.axes[-1].extent
     if number == literal(1, "i32"):
-        return *_pick_one(s, scope, inner, total, w), s.body
-    return _pick_several(s, scope, inner, number, total, w)
+        return *_pick_one(s, scope, inner, num_candidates, w), s.body
+    return _pick_several(s, scope, inner, number, num_candidates, w)
 
 
 def _pick_several(
@@ -88,12 +96,15 @@ def _pick_several(
     scope: IterationScope,
     inner: IterationScope,
     number: Value,
-    total: Literal,
+    num_candidates: Literal,
     w: Writer,
 ) -> tuple[IterationScope, Value, tuple[ir.Stmt, ...]]:
-    """Returns what `pick` does. total: how many candidates there are."""
+    """Returns what `pick` does, for any number of members.
+
+    inner: the scope of the candidates. number: how many are picked.
+    """
     axis = inner.axes[-1]
-    turns = w.axis("turn", min(s.most, total.size))
+    turns = w.axis("turn", min(s.most, num_candidates.size))
     bits = random_bits(s.stream, scope, w, turns)
     outer = union(bits.axes[:-1], without(inner.mask.axes, (axis,)))
     mask = w.keep("member", broadcast(inner.mask, (*outer, axis)))
@@ -106,10 +117,10 @@ def _pick_several(
     arguments = [mask.node, spread(bits, (*outer, turns)), spread(number, outer)]
     chosen = call("choose", *arguments)
     body = s.body
+    # `pick n D { chance p { ... } }`: the kernel also draws the chances, of chosen members only.
+    draws_by_member = inner.digits == ((iota(axis), axis.extent),)
     match s.body:
-        case (ir.Chance(branches=(ir.Branch() as branch,), otherwise=()) as chance,) if (
-            inner.digits == ((iota(axis), axis.extent),)
-        ):
+        case (ir.Chance(branches=(branch,), otherwise=()) as chance,) if draws_by_member:
             w.origin = chance.origin
             limit = first_limit(branch.test, inner, w)
             if not limit.axes:  # the same for all members
@@ -117,45 +128,48 @@ def _pick_several(
                 chosen = call("choose", *arguments, KEY, stream, limit.node)
                 body = branch.body
     w.origin = s.origin
-    taken = w.keep("taken", Value(chosen, "bool", mask.axes))
-    return replace(inner, mask=scope.mask & taken), nobody, body
+    is_chosen = w.keep("taken", Value(chosen, "bool", mask.axes))
+    return replace(inner, mask=scope.mask & is_chosen), nobody, body
 
 
 def _pick_one(
-    s: ir.Pick, scope: IterationScope, inner: IterationScope, total: Literal, w: Writer
+    s: ir.Pick, scope: IterationScope, inner: IterationScope, num_candidates: Literal, w: Writer
 ) -> tuple[IterationScope, Value]:
-    """Returns what `pick 1` does: the scope with the member's number, and where there is none."""
+    """Returns the scope inside a `pick 1`, and where there was no candidate.
+
+    inner: the scope of the candidates.
+    """
     axis = inner.axes[-1]
     name = s.domain.var.name
-    member = inner.variables[name]
+    candidate = inner.variables[name]
     # The bits have no axis for the one turn: on a GPU, XLA would store them before it drops it.
     bits = random_bits(s.stream, scope, w)
-    members = whole_set(s.domain, scope, w)
-    around = inner.mask if members is None else members
-    axes = union(bits.axes, without(around.axes, (axis,)))
+    sets = whole_set(s.domain, scope, w)
+    candidates = inner.mask if sets is None else sets
+    axes = union(bits.axes, without(candidates.axes, (axis,)))
     drawn = spread(bits, axes)
-    if members is not None and _are_many_sets(members, axes) and need_no_state(scope.digits):
-        chosen, exists = _pick_of_sets(members, drawn, scope, name, w)
-        picked = chosen.number
+    if sets is not None and _are_many_sets(sets, axes) and need_no_state(scope.digits):
+        member, exists = _pick_of_sets(sets, drawn, scope, name, w)
+        place = member.number
     else:
-        if members is None:
+        if sets is None:
             kernel = "pick"
             source = spread(inner.mask, (*axes, axis))
         else:
-            kernel = "pick_of_large_set" if members.levels else "pick_of_set"
-            source = aligned(members, axes)
-        who, has_member = w.keep_parts((name, "found"), call(kernel, source, drawn))
-        picked = Value(who, "i32", axes)
+            kernel = "pick_of_large_set" if sets.levels else "pick_of_set"
+            source = aligned(sets, axes)
+        picked, has_member = w.keep_parts((name, "found"), call(kernel, source, drawn))
+        place = Value(picked, "i32", axes)  # among the candidates
         exists = Value(has_member, "bool", axes)
-        number = picked
-        if member.axis is None:  # it is a cell's place in a shape
-            number = _take(member.number, axis, picked)
+        number = place
+        if candidate.axis is None:  # candidates are not in the order of their numbers
+            number = _entry_at(candidate.number, axis, place)
             if isinstance(number.node, Call):
                 number = w.keep(name, number)
-        chosen = numbered(s.domain.var, number)
-    place = bound(s.domain, chosen, scope, w)
-    place = replace(place, digits=(*scope.digits, (picked, total)))
-    return place.when(exists), ~exists
+        member = numbered(s.domain.var, number)
+    picked_scope = bound(s.domain, member, scope, w)
+    picked_scope = replace(picked_scope, digits=(*scope.digits, (place, num_candidates)))
+    return picked_scope.when(exists), ~exists
 
 
 def _are_many_sets(members: Value, axes: Axes) -> bool:
@@ -167,9 +181,10 @@ def _are_many_sets(members: Value, axes: Axes) -> bool:
 def _pick_of_sets(
     members: Value, drawn: Expression, scope: IterationScope, name: str, w: Writer
 ) -> tuple[Variable, Value]:
-    """Returns an agent of each set, and where there is one.
+    """Returns a random member of each set of agents, and which sets have one.
 
-    drawn: computes random bits, which is done only if some set has several members.
+    drawn: the expression of the random bits, which the kernel computes only if some set has several
+      members.
     """
     has_members = members.ne(0).node
     # A mask takes no member from any set if it holds for all sets, or for those with members.
@@ -197,22 +212,24 @@ def _candidates_of(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationS
     return inner.when(reduce(or_, [candidate.eq(number) for number in numbers]))
 
 
-def _take(values: Value, axis: Axis, best: Value) -> Value:
-    """Returns the entry of `values` along an axis that `best` names."""
+def _entry_at(values: Value, axis: Axis, place: Value) -> Value:
+    """Returns the entry of `values` at a place along an axis, `values[..., place]`.
+
+    place: may differ along the other axes, and along axes that the values don't have.
+    """
     dtype = values.dtype
     if values.axes == (axis,):
-        return looked_up(values.node, best, dtype)
-    is_row_each = values.axes == (*best.axes, axis) and len(best.axes) == 1
-    if is_row_each and best.axes[0].size >= state_reads.MANY:
-        return Value(call("entries_at", values.node, best.node), dtype, best.axes)
-    # What is picked may differ along more axes than what it is picked from.
-    axes = axes_of(values, best)
-    if best.axes:
-        at = aligned(best, axes)
+        return looked_up(values.node, place, dtype)
+    has_row_each = values.axes == (*place.axes, axis) and len(place.axes) == 1
+    if has_row_each and place.axes[0].size >= state_reads.MANY:
+        return Value(call("entries_at", values.node, place.node), dtype, place.axes)
+    axes = axes_of(values, place)
+    if place.axes:
+        places = aligned(place, axes)
     else:
-        at = call("jnp.full", (1,) * len(axes), best.node)
+        places = call("jnp.full", (1,) * len(axes), place.node)
     entry: Expression = call(
-        "jnp.take_along_axis", aligned(values, axes), at, axis=axes.index(axis)
+        "jnp.take_along_axis", aligned(values, axes), places, axis=axes.index(axis)
     )
     if axes[-1] == axis:
         entry = entry[..., 0]
@@ -222,7 +239,7 @@ def _take(values: Value, axis: Axis, best: Value) -> Value:
 
 
 def bound(d: ir.Domain, member: Variable, scope: IterationScope, w: Writer) -> IterationScope:
-    """Returns the scope with a member of a domain, and the cell under it if the domain binds it."""
+    """Returns the scope with a domain's variable, and with that of `on` if the domain has one."""
     scope = scope.binding(d.var.name, member)
     if d.on is None or not isinstance(member, AgentVar):
         return scope
@@ -231,22 +248,23 @@ def bound(d: ir.Domain, member: Variable, scope: IterationScope, w: Writer) -> I
 
 
 def nearest(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[IterationScope, Value]:
-    """Returns the scope of the nearest member in each lane, and in which lanes there is one.
+    """Lowers `first DOMAIN in beam of x`: the nearest member in each lane of the shape.
 
-    The scope has one more axis, of the lanes, and no mask.
+    Returns:
+      the scope with one more axis, of the lanes, and without a mask; and which lanes have a member.
     """
     assert isinstance(d.restriction, ir.Near)
     shape = w.module.shape(d.restriction.shape)
-    candidate, eligible = _candidates(d, scope, w)
+    candidate, eligible = _on_cells(d, d.restriction, scope, w)
     axis = candidate.number.axes[-1]
-    place = replace(scope, axes=(*scope.axes, axis), mask=TRUE)
-    place = bound(d, candidate, place, w)
+    candidate_scope = replace(scope, axes=(*scope.axes, axis), mask=TRUE)
+    candidate_scope = bound(d, candidate, candidate_scope, w)
     if d.on is not None:
         assert isinstance(candidate, AgentVar)
         _, is_on = state_reads.site_under(candidate, d.on.kinds, w)
         eligible = eligible & is_on
     if d.where is not None:
-        eligible = eligible & w.value(d.where, place)
+        eligible = eligible & w.value(d.where, candidate_scope)
     outer = without(axes_of(eligible, candidate.number), (axis,))
     axes = (*outer, axis)
     eligible = w.keep("eligible", broadcast(eligible, axes))
@@ -265,18 +283,17 @@ def nearest(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[IterationSc
     return bound(d, variable, inner, w), Value(exists, "bool", (*outer, lanes))
 
 
-def _candidates(d: ir.Domain, scope: IterationScope, w: Writer) -> tuple[Variable, Value]:
-    """Returns who is on each cell of the shape, along its axis, and whether somebody is."""
-    assert isinstance(d.restriction, ir.Near)
+def _on_cells(
+    d: ir.Domain, near: ir.Near, scope: IterationScope, w: Writer
+) -> tuple[Variable, Value]:
+    """Returns the candidate on each cell of a shape, along its axis, and on which there is one."""
     if d.var.entity_type.what == "cell":
-        site, exists = sites_in(d.restriction, d.var.kinds, scope, w, d.var.name)
+        site, exists = sites_in(near, d.var.kinds, scope, w, d.var.name)
         return CellVar(site, d.var.kinds), exists
-    swept = sweep(d.restriction, scope, w)
+    swept = sweep(near, scope, w)
     on_cells = stand_on(swept.cells, state_reads.positions(w, d.var.entity_type))
     standing = w.keep_node("standing", on_cells, "bool")
     axes = swept.cells.axes
     who = w.keep(d.var.name, Value(reduction("argmax", standing, (-1,)), "i32", axes))
     anybody = w.keep("anybody", Value(reduction("any", standing, (-1,)), "bool", axes))
-    if has_inner_blocks(w.module.shape(d.restriction.shape), w):
-        anybody = anybody & swept.ok
-    return AgentVar(who, entity_type=d.var.entity_type), anybody
+    return AgentVar(who, entity_type=d.var.entity_type), anybody & swept.unblocked

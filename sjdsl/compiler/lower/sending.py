@@ -20,7 +20,7 @@ from sjdsl.compiler.lower.axes import (
 from sjdsl.compiler.lower.draws import bits_of_each
 from sjdsl.compiler.lower.expressions import agent
 from sjdsl.compiler.lower.free_cells import fitting_cells, free_cells
-from sjdsl.compiler.lower.per_agent import of_each, per_agent, put, to_each, turn, way_of_each
+from sjdsl.compiler.lower.per_agent import of_each, per_agent, put, scattered, turn, way_of_each
 from sjdsl.compiler.lower.pools import Pool, sends_of
 from sjdsl.compiler.lower.scope import IterationScope
 from sjdsl.compiler.lower.shifting import Shifted, settle, shifted
@@ -36,10 +36,10 @@ from sjdsl.runtime.actions import ANY_HEADING, HEADINGS, SAME_HEADING
 
 
 class Sent(Record):
-    """Who is sent at once by one statement, `[N]` bool.
+    """Whom one statement sends at once.
 
-    fitting: which cells fit each agent, `[N, S]` bool; None where the same fit all. way: the
-    heading of each, `[N]` int32, if the statement computes it.
+    who: `[N]` bool. fitting: which cells of the destination fit each agent, `[N, S]` bool; None if
+    the same fit all. way: its heading afterwards, `[N]` int32, if the statement computes it.
     """
 
     send: ir.Send
@@ -49,7 +49,10 @@ class Sent(Record):
 
 
 class Leaving(Record):
-    """Who goes away by one statement, for how many ticks; way: as in Sent."""
+    """Whom one statement sends away for some ticks.
+
+    who: `[N]` bool. delays: the ticks of each, `[N]` int32, or one number. way: as in `Sent`.
+    """
 
     pool: Pool
     send: ir.Send
@@ -60,7 +63,11 @@ class Leaving(Record):
 
 @dataclass
 class Sends:
-    """The sends of one phase: for each pool who is placed at once, and who goes away first."""
+    """Whom the statements of a phase send, collected until its end.
+
+    pools: the phase's destinations. now: by a pool's number, who is placed there at once. away: who
+    goes away first. removed: who leaves the map, `[N]` bool. shifted: who is sent along a way.
+    """
 
     pools: tuple[Pool, ...]
     now: dict[int, list[Sent]] = field(default_factory=dict)
@@ -69,7 +76,7 @@ class Sends:
     shifted: list[Shifted] = field(default_factory=list)
 
     def add(self, s: ir.Send, scope: IterationScope, w: Writer) -> None:
-        """Notes whom a statement sends."""
+        """Collects whom a `send x to DOMAIN` sends, now or after some ticks."""
         sent = per_agent("sent", s.who, scope, w)
         pool = next(p for p in self.pools if p.send.pool == s.pool)
         at_once = self.now.setdefault(pool.number, [])
@@ -77,20 +84,21 @@ class Sends:
         if s.after is None:
             at_once.append(Sent(s, sent, _fitting(s, scope, w), way))
             return
-        can_be_at_once = s.after.type.low <= 0
-        fitting = _fitting(s, scope, w) if can_be_at_once else None
+        can_be_now = s.after.type.low <= 0
+        fitting = _fitting(s, scope, w) if can_be_now else None
         delays = _delays(s, as_dtype(w.value(s.after, scope), "i32"), scope, w)
-        if can_be_at_once:
-            stays = w.keep_node("at_once", sent & delays.eq(0), "bool")
-            at_once.append(Sent(s, stays, fitting, way))
+        if can_be_now:
+            sent_now = w.keep_node("at_once", sent & delays.eq(0), "bool")
+            at_once.append(Sent(s, sent_now, fitting, way))
             sent = w.keep_node("leaving", sent & (delays > 0), "bool")
         self.away.append(Leaving(pool, s, sent, delays, way))
 
     def shift(self, s: ir.Shift, scope: IterationScope, w: Writer) -> None:
-        """Notes who is sent some cells away, and where to."""
+        """Collects whom a `send x by n DIRECTION` sends, or a `send x to CELL`."""
         self.shifted.append(shifted(s, scope, w))
 
     def remove(self, s: ir.Remove, scope: IterationScope, w: Writer) -> None:
+        """Collects whom a `remove x` takes off the map."""
         removed = per_agent("removed", s.who, scope, w)
         self.removed.append((body_type(s.who), removed))
 
@@ -110,14 +118,11 @@ def _fitting(s: ir.Send, scope: IterationScope, w: Writer) -> Expression | None:
         if any(a in fits.axes for a in others):  # all who send the agent agree on its cells
             fits = reduce("any", scope.mask & fits, others)
         return w.keep_node("fitting", spread(fits, (who.axis, axis)), "bool")
-    return w.keep_node("fitting", to_each(who, fits, scope, w, (axis,)), "bool")
+    return w.keep_node("fitting", scattered(who, fits, scope, w, (axis,)), "bool")
 
 
 def _delays(s: ir.Send, delay: Value, scope: IterationScope, w: Writer) -> Expression:
-    """Returns the ticks that each agent is away, `[N]` int32, or one number for all.
-
-    All statements that send one agent agree.
-    """
+    """Returns the ticks that each agent is away, `[N]` int32, or one number for all."""
     if delay.literal and s.after is not None and s.after.type.low > 0:
         return delay.node
     if delay.axes:
@@ -127,7 +132,7 @@ def _delays(s: ir.Send, delay: Value, scope: IterationScope, w: Writer) -> Expre
 
 
 def finish(sends: Sends, w: Writer) -> None:
-    """Writes where all who are sent or removed in a phase come to be."""
+    """Writes what becomes of all who are sent or removed in a phase."""
     entered: list[tuple[Pool, Name]] = []
     for pool in sends.pools:
         if sends.now.get(pool.number):
@@ -151,7 +156,7 @@ def finish(sends: Sends, w: Writer) -> None:
 
 
 def _facing(s: ir.Send, w: Writer) -> Literal:
-    """Returns the heading that an agent sent away will have."""
+    """Returns the heading that an agent sent away will have, as a number that the state stores."""
     match s.facing:
         case None:
             return w.module.number("any_heading", ANY_HEADING)
@@ -162,17 +167,20 @@ def _facing(s: ir.Send, w: Writer) -> Literal:
 
 
 def _place_pool(pool: Pool, sends: Sends, entered: list[tuple[Pool, Name]], w: Writer) -> Name:
-    """Writes the placing of those who are sent to a pool at once; returns who found a cell."""
-    parts = sends.now[pool.number]
-    w.origin = parts[0].send.origin
-    sent = w.keep_node("sent", functools.reduce(or_, [part.who for part in parts]), "bool")
+    """Writes the new cells of those who are sent to a pool at once; returns who found one.
+
+    entered: the pools of the phase before this one, each with who was placed there.
+    """
+    all_sent = sends.now[pool.number]
+    w.origin = all_sent[0].send.origin
+    sent = w.keep_node("sent", functools.reduce(or_, [part.who for part in all_sent]), "bool")
     leaving = None
     if not any(s.stay for s in sends_of(pool, w.module)):  # who may stay keeps its cell
         away = [other.who for other in sends.away if other.pool is pool]
         leaving = functools.reduce(or_, [sent, *away])
-    placed = place(pool, sent, leaving, _fitting_of_all(parts), w, entered)
-    for part in parts:
-        who = placed if len(parts) == 1 else part.who & placed
+    placed = place(pool, sent, leaving, _fitting_of_all(all_sent), w, entered)
+    for part in all_sent:
+        who = placed if len(all_sent) == 1 else part.who & placed
         turn(pool.entity_type, who, part.send.facing, part.way, pool.send.heading_stream, w)
     if w.module.stores_away(pool.entity_type):
         put("away", pool.entity_type, placed, 0, w)
@@ -195,10 +203,12 @@ def place(
     w: Writer,
     entered: list[tuple[Pool, Name]],
 ) -> Name:
-    """Writes the placing of one pool; returns who found a cell.
+    """Writes `position, placed = place(...)` for one pool; returns `placed`, who found a cell.
 
-    sent: who is placed, `[N]` bool. leaving, entered: see `free_cells`. fitting: which cells fit
-    each agent, `[N, S]` bool; None where the same fit all.
+    Args:
+      sent: who is to be placed, `[N]` bool.
+      fitting: which cells fit each agent, `[N, S]` bool; None if the same fit all.
+      leaving, entered: see `free_cells`.
     """
     attribute = attribute_of("position", pool.entity_type)
     free = free_cells(pool, leaving, fitting is None, w, entered)
@@ -208,7 +218,8 @@ def place(
     assert isinstance(position, Name)
     w.changed[attribute] = position
     bits = bits_of_each(pool.send.cell_stream, pool.entity_type, w)
-    cells = state_reads.cells_of(pool.kinds, w)
-    own = () if fitting is None else (fitting,)
-    w.unpack((position, placed), call("place", cells, free, bits, before, sent, *own))
+    arguments = [state_reads.cells_of(pool.kinds, w), free, bits, before, sent]
+    if fitting is not None:
+        arguments.append(fitting)
+    w.unpack((position, placed), call("place", *arguments))
     return placed

@@ -1,8 +1,14 @@
-"""Makes one function of all uses of a phase: `sprout(red)` and `sprout(blue)` call `sprout`."""
+"""Makes one function of all uses of a phase with parameters.
+
+    schedule sprout(red) -> sprout(blue)
+
+would make two functions that differ by numbers and tables, such as 0 and 1, the places of `red` and
+`blue` in an enum, or RED_START and BLUE_START. They become one function `sprout` with a parameter
+for each such difference, which a step calls twice.
+"""
 
 import re
 from dataclasses import dataclass, field, fields, replace
-from itertools import groupby
 from typing import Any
 
 from sjdsl.compiler import ir
@@ -23,10 +29,10 @@ from sjdsl.compiler.program.expressions import (
 
 
 class Turn(Record):
-    """A call of a function of a step.
+    """A call of a function in a step.
 
-    arguments: beside those of every phase. marks: the attribute of State for the cells that the
-    function returns.
+    arguments: after those that every phase gets. marks: the attribute of State in which the marked
+    cells that the function returns are stored; empty if it returns none.
     """
 
     function: Function
@@ -40,14 +46,16 @@ class CannotShare(Exception):
 
 @dataclass
 class SharedBody:
-    """The functions of several uses while they become one.
+    """The bodies of several uses while they become one.
 
-    parameters: of the phase, with texts: what each use has for them.
-    variables: the shared name of a variable, by its names in the uses.
-    added: the parameters that the function has beside those of every phase, by what they stand
-      for; arguments: what the uses have for each of them.
-    numbers: for each parameter of the phase that is a word, the first of `added` that stands for
-      its number, with the numbers of the uses.
+    parameters: of the phase as the game declares it: `what`.
+    texts: of each use, what it is called with: `red`.
+    names: those that the shared function has used.
+    variables: a local variable's name in each use -> its name in the shared function.
+    added: the nodes and names by which the uses differ -> the new parameter that stands for them.
+    arguments: of each new parameter, its value in each use.
+    numbers: a parameter of the phase -> the first new parameter that is a number because of it, and
+      that number in each use.
     """
 
     parameters: tuple[str, ...]
@@ -59,9 +67,9 @@ class SharedBody:
     numbers: dict[str, tuple[Name, list[int]]] = field(default_factory=dict)
 
     def node(self, nodes: tuple[Any, ...]) -> Any:
-        """Returns the nodes of all uses as one, with a parameter where they differ.
+        """Returns one node for the same place in all uses, with a parameter where they differ.
 
-        Raises CannotShare.
+        Raises CannotShare if they differ by more than numbers and tables.
         """
         first = nodes[0]
         if any(type(node) is not type(first) for node in nodes):
@@ -103,34 +111,39 @@ class SharedBody:
     def parameter(
         self, nodes: tuple[Any, ...], names: tuple[str, ...], can_differ: bool
     ) -> Expression:
-        """Returns what stands for different numbers or tables: a parameter, or one plus a number.
+        """Returns what stands for a number or table by which the uses differ.
 
-        can_differ: whether the nodes are numbers or tables.
+        It is a new parameter, or one that there is already plus a number: the same enum values may
+        have other numbers in another enum.
+
+        Args:
+          nodes: of each use; names: their constants' names.
+          can_differ: whether they are numbers or tables.
         """
         if not can_differ:
             raise CannotShare
         key = tuple(zip(nodes, names, strict=True))
         if key in self.added:
             return self.added[key]
-        word = self.parameter_in(names)
+        cause = self.parameter_in(names)
         literals = [node.value for node in nodes if isinstance(node, Literal)]
         numbers = [value for value in literals if isinstance(value, int)]
         are_numbers = len(numbers) == len(nodes)
-        if are_numbers and word in self.numbers:
-            parameter, others = self.numbers[word]
-            differences = {a - b for a, b in zip(numbers, others, strict=True)}
+        if are_numbers and cause in self.numbers:
+            parameter, its_numbers = self.numbers[cause]
+            differences = {a - b for a, b in zip(numbers, its_numbers, strict=True)}
             if len(differences) == 1:
                 return _plus(parameter, differences.pop())
         is_stream = names[0].startswith("STREAM")
         name = "stream" if is_stream else self.common(names) or "number"
         self.added[key] = Name(self.names.fresh(name))
         self.arguments.append(nodes)
-        if word and are_numbers:
-            self.numbers.setdefault(word, (self.added[key], numbers))
+        if cause and are_numbers:
+            self.numbers.setdefault(cause, (self.added[key], numbers))
         return self.added[key]
 
     def variable(self, names: tuple[str, ...]) -> str:
-        """Returns the name of a variable that the uses may call differently, after their words."""
+        """Returns the shared name of a local variable, which uses may call differently."""
         if names not in self.variables:
             name = names[0]
             if len(set(names)) > 1:
@@ -139,15 +152,15 @@ class SharedBody:
         return self.variables[names]
 
     def common(self, names: tuple[str, ...]) -> str:
-        """Returns the names of all uses as one: `ground_red`, `ground_blue` are `ground_what`.
+        """Returns one name for those of all uses: `ground_what` for `ground_red`, `ground_blue`.
 
-        The arguments of the phase are replaced by its parameters; empty if they still differ.
+        Empty if they differ by more than what the phase is called with.
         """
         parameter = self.parameter_in(names)
         return self.renamed(names, parameter)[0] if parameter else ""
 
     def parameter_in(self, names: tuple[str, ...]) -> str:
-        """Returns the parameter of the phase by which names differ; empty if there is none.
+        """Returns the parameter of the phase that makes names differ; empty if there is none.
 
         It is `what` for `ground_red` and `ground_blue`.
         """
@@ -158,7 +171,7 @@ class SharedBody:
         return ""
 
     def renamed(self, names: tuple[str, ...], parameter: str) -> list[str]:
-        """Returns the names of all uses with the arguments replaced by the parameter."""
+        """Returns the names in all uses with the argument in them replaced by its parameter."""
         place = self.parameters.index(parameter)
         return [
             name.lower().replace(texts[place], parameter, 1)
@@ -167,74 +180,80 @@ class SharedBody:
 
 
 def _plus(parameter: Name, number: int) -> Expression:
-    """Returns a parameter plus a number: an enum value has other numbers in other enums."""
+    """Returns `parameter + number`, or `parameter - 1` for -1."""
     if number == 0:
         return parameter
     return parameter - abs(number) if number < 0 else parameter + number
 
 
-def share(uses: list[tuple[ir.Phase, Function]]) -> list[Turn]:
-    """Returns the turns of phases.
+def share(uses: list[tuple[ir.Turn, Function]]) -> list[Turn]:
+    """Returns the calls of a step, in order.
 
-    Uses of one phase call one function, if they differ by numbers and tables alone.
+    Uses of one declared phase call one function if they differ by numbers and tables alone.
+
+    uses: the turns of the schedule, each with a function of its own.
     """
-    turns: dict[str, Turn] = {}
-    by_name = sorted(uses, key=_declared)
-    for name, group in groupby(by_name, key=_declared):
-        turns |= _one_function(phase_function(name), list(group))
-    return [turns[phase.name] for phase, _ in uses]
-
-
-def _declared(use: tuple[ir.Phase, Function]) -> str:
-    """Returns the name that a phase is declared by."""
-    phase, _ = use
-    return re.split(r"\W", phase.label)[0]  # of `sprout(red)` and `eat #2`
+    uses_of: dict[str, list[tuple[ir.Phase, Function]]] = {}
+    for turn, function in uses:
+        if isinstance(turn, ir.Phase):
+            declared = re.split(r"\W", turn.label)[0]  # of `sprout(red)` and `eat #2`
+            uses_of.setdefault(declared, []).append((turn, function))
+    calls: dict[str, Turn] = {}
+    for declared, uses_of_phase in uses_of.items():
+        calls |= _one_function(phase_function(declared), uses_of_phase)
+    return [
+        calls[turn.name] if isinstance(turn, ir.Phase) else Turn(function)
+        for turn, function in uses
+    ]
 
 
 def _one_function(name: str, uses: list[tuple[ir.Phase, Function]]) -> dict[str, Turn]:
-    """Returns the turn of each use of a phase, by the use's name."""
-    alone = {phase.name: Turn(function) for phase, function in uses}
+    """Returns the call of each use of a declared phase, by the use's name.
+
+    name: of the function that all uses call; if they can't share one, each calls its own.
+    """
+    separate = {phase.name: Turn(function) for phase, function in uses}
     if len(uses) == 1:
-        return alone
+        return separate
     first = uses[0][1]
     identifiers = {node.identifier for node in walk(first) if isinstance(node, Name)}
     shared = SharedBody(*_parameters(uses), Names(RESERVED | identifiers))
-    marks = [f"mark_{phase.name}" for phase, _ in uses]
-    functions = [function for _, function in uses]
-    bodies = [_marks_apart(f.body, mark) for f, mark in zip(functions, marks, strict=True)]
+    bodies = []
+    for phase, function in uses:
+        bodies.append(_marks_apart(function.body, f"mark_{phase.name}"))
     try:
         body = shared.node(tuple(bodies))
     except CannotShare:
-        return alone
-    is_marking = len(body[-1].values) > 2  # it returns its mark, beside the state and the outcome
-    returns = "tuple[State, Outcome, Array]" if is_marking else first.returns
-    added = [
-        (parameter.identifier, _type_of(arguments[0]))
-        for parameter, arguments in zip(shared.added.values(), shared.arguments, strict=True)
-    ]
-    function = Function(name, (*first.parameters, *added), returns, first.doc, body)
+        return separate
+    returns_marks = len(body[-1].values) > 2  # after the state and the outcome
+    returns = "tuple[State, Outcome, Array]" if returns_marks else first.returns
+    parameters = list(first.parameters)
+    for parameter, arguments in zip(shared.added.values(), shared.arguments, strict=True):
+        parameters.append((parameter.identifier, _type_of(arguments[0])))
+    function = Function(name, tuple(parameters), returns, first.doc, body)
     turns = {}
     for number, (phase, _) in enumerate(uses):
-        arguments = tuple(of_uses[number] for of_uses in shared.arguments)
-        turns[phase.name] = Turn(function, arguments, marks[number] if is_marking else "")
+        arguments_of_use = tuple(arguments[number] for arguments in shared.arguments)
+        marks = f"mark_{phase.name}" if returns_marks else ""
+        turns[phase.name] = Turn(function, arguments_of_use, marks)
     return turns
 
 
 def _parameters(
     uses: list[tuple[ir.Phase, Function]],
 ) -> tuple[tuple[str, ...], tuple[tuple[str, ...], ...]]:
-    """Returns the parameters of a phase, and the arguments of each use, as written.
+    """Returns the parameters of a declared phase, and what each use has for them, as texts.
 
-    There are no parameters if the arguments of a use can't be told apart.
+    There are no parameters if a text has a comma inside, so that it can't be split into arguments.
     """
     first_function = uses[0][1]
     parameters = _declared_parameters(first_function.doc)
     if not parameters:
         return (), ((),) * len(uses)
-    arguments = tuple(_arguments(phase.label) for phase, _ in uses)
-    if any(len(of_use) != len(parameters) for of_use in arguments):
+    texts = tuple(_arguments(phase.label) for phase, _ in uses)
+    if any(len(texts_of_use) != len(parameters) for texts_of_use in texts):
         parameters = ()
-    return parameters, arguments
+    return parameters, texts
 
 
 def _declared_parameters(text: str) -> tuple[str, ...]:
@@ -259,7 +278,7 @@ def _type_of(argument: Expression) -> str:
 
 
 def _marks_apart(body: tuple[Statement, ...], mark: str) -> tuple[Statement, ...]:
-    """Returns the body of a function that returns the cells it marks apart from the state."""
+    """Returns a body that returns what it would store in the attribute `mark` as a third value."""
     last = body[-1]
     assert isinstance(last, Return)
     state, out = last.values

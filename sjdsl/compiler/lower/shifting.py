@@ -1,6 +1,7 @@
-"""Lowers `send x by n DIRECTION` and `send x to CELL`.
+"""Lowers `send x by n DIRECTION`, and `send x to CELL` for one certain cell.
 
-First the way of each agent, then, at the end of a phase, all who are sent in it at once.
+Each statement computes where it sends whom (`shifted`). At the end of the phase all who are sent in
+it move at once, and the kernel `resolve` settles collisions (`settle`).
 """
 
 from dataclasses import replace
@@ -54,7 +55,10 @@ from sjdsl.runtime.actions import DIRECTIONS
 
 
 class _Course(Record):
-    """A straight course. heading: 0 to 3. stride: from a cell of the frame to the next one."""
+    """A straight course.
+
+    start: cells of the frame. heading: 0 to 3. stride: what to add to a cell for the next one.
+    """
 
     start: Value
     heading: Value
@@ -62,10 +66,10 @@ class _Course(Record):
 
 
 class Shifted(Record):
-    """Who is sent by one statement, `[N]` bool, and where, `[N]` int32 cells of the frame.
+    """Whom one statement sends.
 
-    An agent whose way isn't free is sent to its own cell. way: the heading of each, `[N]` int32, if
-    the statement computes it.
+    who: `[N]` bool. target: where to, `[N]` int32 cells of the frame; its own cell for an agent
+    whose way isn't free. way: its heading afterwards, `[N]` int32, if the statement computes it.
     """
 
     statement: ir.Shift
@@ -90,20 +94,21 @@ def shifted(s: ir.Shift, scope: IterationScope, w: Writer) -> Shifted:
         goes = (steps > 0) & has_heading & _is_free(s.steps.type, who, course, steps, w)
         goal = w.keep("goal", _cells_on(course, steps, w))
     target = w.keep("target", select(goes, goal, position))
-    targets = w.keep_node("target", of_each(s.who, target, scope, w), "i32")
-    return Shifted(s, sent, targets, way_of_each(s.who, s.way, scope, w))
+    target_of_each = w.keep_node("target", of_each(s.who, target, scope, w), "i32")
+    return Shifted(s, sent, target_of_each, way_of_each(s.who, s.way, scope, w))
 
 
 def _stride(heading: Value, w: Writer) -> Value:
-    cols = w.module.layout.cols
+    """Returns what to add to a cell of the frame for the next one in a direction."""
+    cols = w.layout.cols
     strides = [row * cols + col for row, col in DIRECTIONS]
     table = w.module.constant("stride", strides, "to the next cell, by heading", "i32")
     return w.keep("stride", looked_up(table, heading, "i32"))
 
 
 def _cells_on(course: _Course, number: Value, w: Writer) -> Value:
-    """Returns the cells so many cells on; they may lie beyond the map, unless it wraps."""
-    layout = w.module.layout
+    """Returns the cells that many steps along a course; beyond the map too, unless it wraps."""
+    layout = w.layout
     if not layout.wraps:
         return course.start + course.stride * number
     heading = replace(course.heading, node=as_array(course.heading.node, "i32"))
@@ -114,68 +119,70 @@ def _cells_on(course: _Course, number: Value, w: Writer) -> Value:
 def _heading(
     s: ir.Shift, who: AgentVar, position: Value, scope: IterationScope, w: Writer
 ) -> tuple[Value, Value]:
-    """Returns in which direction an agent is sent, 0 to 3, and whether there is such a one."""
+    """Returns in which direction an agent is sent, 0 to 3, and whether there is a direction."""
     if s.heading is not None:
         return written_heading(s.heading, s.quarters, scope, w), TRUE
     assert s.other is not None
     goal = state_reads.location(owner(s.other, scope, w), w)
-    heading, is_apart = _toward(goal, who, position, w)
-    return turned(heading, s.quarters), is_apart
+    heading, can_go = _toward(goal, who, position, w)
+    return turned(heading, s.quarters), can_go
 
 
 def _toward(goal: Value, who: AgentVar, position: Value, w: Writer) -> tuple[Value, Value]:
-    """Returns the heading toward a cell, along the longer side, and whether the cell is another.
+    """Returns the heading toward a cell, and whether the agent can go there.
 
-    Of equal sides it takes the one along which the agent looks. Where both ways round a wrapping
-    map are equally long, it takes the one in which the agent looks, if that is along the side.
+    It goes along the longer of the two sides, rows or columns; of equal ones along that on which
+    it looks. On a wrapping map it goes the shorter way round; of two equal ways the one in which it
+    looks, and if it looks across them, it can't go. Nor can it if the cell is its own.
     """
-    layout = w.module.layout
+    layout = w.layout
     frame_cols = w.module.frame_cols
     rows = w.keep("rows", goal // frame_cols - position // frame_cols)
     cols = w.keep("columns", goal % frame_cols - position % frame_cols)
     if layout.wraps:
         rows = w.keep("shorter", called("shorter_way", rows, layout.height))
         cols = w.keep("shorter", called("shorter_way", cols, layout.width))
-    down = called("jnp.abs", rows)
-    across = called("jnp.abs", cols)
-    looks = state_reads.heading(who, w)
-    is_upright = select(down.eq(across), (looks & 1).eq(0), down > across)
-    vertical = select(rows < 0, literal(0, "i32"), 2)
-    horizontal = select(cols < 0, literal(3, "i32"), 1)
-    toward = select(is_upright, vertical, horizontal)
-    is_apart = goal.ne(position)
+    num_rows = called("jnp.abs", rows)
+    num_cols = called("jnp.abs", cols)
+    own_heading = state_reads.heading(who, w)
+    is_vertical = select(num_rows.eq(num_cols), (own_heading & 1).eq(0), num_rows > num_cols)
+    north_or_south = select(rows < 0, literal(0, "i32"), 2)
+    west_or_east = select(cols < 0, literal(3, "i32"), 1)
+    toward = select(is_vertical, north_or_south, west_or_east)
+    can_go = goal.ne(position)
     if layout.wraps:
-        both_ways = [_is_half(rows, layout.height), _is_half(cols, layout.width)]
-        either_way = w.keep("either_way", select(is_upright, *both_ways))
-        is_across = (looks & 1).ne(toward & 1)
-        stuck = w.keep("stuck", either_way & is_across)
-        toward = select(either_way, looks, toward)
-        is_apart = is_apart & ~stuck
-    return toward, is_apart
+        half_rows = _is_half(rows, layout.height)
+        half_cols = _is_half(cols, layout.width)
+        either_way = w.keep("either_way", select(is_vertical, half_rows, half_cols))
+        looks_across = (own_heading & 1).ne(toward & 1)
+        stuck = w.keep("stuck", either_way & looks_across)
+        toward = select(either_way, own_heading, toward)
+        can_go = can_go & ~stuck
+    return toward, can_go
 
 
 def _is_half(distance: Value, length: int) -> Value:
-    """Returns whether a distance is half of what goes round the map."""
+    """Returns whether a distance is half the way round the map."""
     return (literal(2, "i32") * distance).eq(length)
 
 
 def _is_free(number_of: ir.Type, who: AgentVar, course: _Course, steps: Value, w: Writer) -> Value:
     """Returns whether every cell on the way is on the map, open and, but for the last one, empty.
 
-    number_of: the type of `steps`.
+    number_of: the type of `steps`, which says how many there can be.
     """
     most = int(number_of.high)
     if most == 0:
         return TRUE
     if most == 1:
         return _is_open(w.keep("ahead", _cells_on(course, literal(1, "i32"), w)), who, w)
-    everybody = state_reads.all_positions(w)
+    bodies = state_reads.all_positions(w)
     axis = w.axis("way", most)
     number = iota(axis) + 1
     cells = w.keep("way", _cells_on(course, number, w))
     is_open = _is_open(cells, who, w)
-    standing = reduction("any", stand_on(cells, everybody), (len(cells.axes),))
-    taken = select(number >= steps, FALSE, Value(standing, "bool", cells.axes))
+    has_body = reduction("any", stand_on(cells, bodies), (len(cells.axes),))
+    taken = select(number >= steps, FALSE, Value(has_body, "bool", cells.axes))
     free = is_open & ~taken
     if number_of.low < most:  # what lies beyond the last cell does not matter
         free = select(number > steps, TRUE, free)
@@ -185,7 +192,7 @@ def _is_free(number_of: ir.Type, who: AgentVar, course: _Course, steps: Value, w
 def _is_open(cells: Value, who: AgentVar, w: Writer) -> Value:
     """Returns which cells of the frame are on the map and do not block the agent or mover."""
     name = who.entity_type.plural
-    layout = w.module.layout
+    layout = w.layout
     is_open = is_inside(cells, w)
     if layout.count(layout.blocking_glyphs(name)):
         is_open = is_open & ~always_block(cells, name, w)
@@ -195,22 +202,23 @@ def _is_open(cells: Value, who: AgentVar, w: Writer) -> Value:
 
 
 def settle(moves: list[Shifted], w: Writer) -> None:
-    """Writes where all who are shifted in a phase come to stand.
+    """Writes the new cells of all who are shifted in a phase.
 
-    Movers are settled name by name, then agents: each group finds the others where these then
-    are, and those whom `send ... to KIND` has placed already.
+    Movers go first, one name after the other, then agents. Each group finds the groups before it on
+    their new cells, as those whom `send ... to KIND` has placed.
     """
-    agents, *movers = body_types(w.module.game)
+    agents, *movers = body_types(w.game)
     for entity_type in (*movers, agents):
-        of_type = [move for move in moves if body_type(move.statement.who) == entity_type]
-        if of_type:
-            _settle_type(entity_type, of_type, w)
+        moves_of_type = [move for move in moves if body_type(move.statement.who) == entity_type]
+        if moves_of_type:
+            _settle_type(entity_type, moves_of_type, w)
     w.origin = None
 
 
 def _settle_type(entity_type: ir.EntityType, moves: list[Shifted], w: Writer) -> None:
-    """Moves the agents, or the movers of a type, that a phase shifts, to where nobody keeps them
-    out.
+    """Writes the new cells of the agents, or of the movers of a name, that a phase shifts.
+
+    Who wants a cell on which somebody of another type is stays.
     """
     position = attribute_of("position", entity_type)
     extent = w.module.extent(entity_type)
@@ -222,8 +230,8 @@ def _settle_type(entity_type: ir.EntityType, moves: list[Shifted], w: Writer) ->
         bits = bits_of_each(move.statement.stream, entity_type, w)
         targets = Where(move.who, move.target, targets)
         ranks = bits if len(moves) == 1 else Where(move.who, bits, ranks)
-    for other in body_types(w.module.game):
-        if other != entity_type:  # who stands on a cell keeps it
+    for other in body_types(w.game):
+        if other != entity_type:
             taken = call("is_one_of", targets, w.current(attribute_of("position", other)))
             targets = Where(taken, before, targets)
     resolved = call("resolve", before, targets, ranks, exchange=True)

@@ -138,7 +138,7 @@ def _start(value: object, field: ir.VarField, w: Writer) -> Literal:
 
 def _default(field: ir.VarField, game: ir.Game, dtype: str, w: Writer) -> Expression:
     """Returns the starting values of a field."""
-    layout = w.module.layout
+    layout = w.layout
     kind = field.held_by.name
     starts: set[object] = {field.start}
     if field.held_by.what == "cell":

@@ -23,18 +23,24 @@ from sjdsl.compiler.program.expressions import (
 
 POSITION = path("state.position")
 HEADING = path("state.heading")
-ROW = 8  # bits of a column: a map has at most 256
+ROW = 8  # bits of the column in a stored cell: a map has at most 256 columns
 NO_CELL = -1
 MANY = 64  # computed cells from which on what is looked up is worth computing in memory first
 
 
 def field(e: ir.FieldRead, owner: Variable | None, w: Writer) -> Value:
-    """Returns a field of the snapshot; words as uint8 numbers, integers as int32."""
+    """Returns the value of a field; enum values as uint8 numbers, integers as int32.
+
+    `water.state` is `state.water_state` if the variable `water` is each cell once, in order, and
+    `state.water_state[water]` if it is computed numbers.
+
+    owner: whose field it is, None for a field of the world.
+    """
     if isinstance(owner, CellVar) and owner.painted is not None:
         value = dict(owner.painted).get(e.name)
         if value is None:
             owner = placed(owner, w)
-        elif e.type.kind == "agent":  # painted one up: 0 is nobody
+        elif e.type.kind == "agent":  # painted as its number plus 1, so that 0 is nobody
             return as_dtype(replace(value, dtype="u8"), "i32") - 1
         else:
             return _widened(value, e.type)
@@ -53,33 +59,36 @@ def field(e: ir.FieldRead, owner: Variable | None, w: Writer) -> Value:
 
 
 def _looked_up(owner: Variable, stored: Value, w: Writer) -> Value:
-    """Returns a field of the one that a variable is.
-
-    For many computed cells the field is computed in memory first.
-    """
+    """Returns what `_entries_of` does; for many computed cells, `stored` goes into memory first."""
     if isinstance(owner, CellVar) and owner.axis is None:
-        number = prod(a.size for a in owner.number.axes)
-        if number >= max(MANY, w.module.layout.num_cells(owner.kinds)):
+        num_lookups = prod(axis.size for axis in owner.number.axes)
+        if num_lookups >= max(MANY, w.layout.num_cells(owner.kinds)):
             node = call("looked_up", stored.node, owner.number.node)
             return replace(stored, node=node, axes=owner.number.axes)
-    return _of(owner, stored)
+    return _entries_of(owner, stored)
 
 
-def _of(owner: Variable, stored: Value) -> Value:
-    """Returns what is kept of each agent or cell, for the one that a variable is."""
+def _entries_of(owner: Variable, stored: Value) -> Value:
+    """Returns the entries for the agents or cells that a variable is.
+
+    stored: an entry for each agent or cell, in order, with no named axis yet.
+    """
     if owner.axis is not None:
         return replace(stored, axes=(owner.axis,))
     return replace(stored, node=stored.node[owner.number.node], axes=owner.number.axes)
 
 
 def _group_field(e: ir.FieldRead, owner: CellVar, w: Writer) -> Value:
-    """Returns a group's field: the kinds' vectors one after another, put into reading order."""
+    """Returns a field of cells that may be of several kinds, which all have it.
+
+    Each kind has a vector over its own cells. They are put after one another, then into the order
+    of the cells on the map.
+    """
     group = "_".join(owner.kinds)
     fields = [w.module.field(e, kind) for kind in owner.kinds]
-    table = w.module.layout.order_table(owner.kinds)
+    table = w.layout.order_table(owner.kinds)
     order = w.module.constant(f"order_{group}", table, "cells of a group in reading order")
     vectors = [w.stored(attribute_name(f)) for f in fields]
-    # Each kind is a vector over its own cells; the group is one over all of them.
     concatenated = Value(call("jnp.concatenate", vectors)[order], storage(fields[0], w))
     whole = w.keep(f"{group}_{e.name}", concatenated)
     whole = replace(whole, levels=w.module.levels(e.type))
@@ -87,6 +96,7 @@ def _group_field(e: ir.FieldRead, owner: CellVar, w: Writer) -> Value:
 
 
 def _widened(value: Value, type_: ir.Type) -> Value:
+    """Returns a field's value as expressions compute with it: integers as int32, not bytes."""
     return as_dtype(value, "i32") if type_.kind == "int" else value
 
 
@@ -129,9 +139,9 @@ def timer_bound(declared: ir.VarField, nodes: Iterable[ir.Node]) -> float:
 
 
 def position(owner: AgentVar, w: Writer) -> Value:
-    """Returns the cells of agents."""
-    at = _of(owner, Value(positions(w, owner.entity_type), "i32"))
-    return at if owner.axis is not None else w.keep("position", at)
+    """Returns the cells in the frame on which agents or movers are."""
+    cells = _entries_of(owner, Value(positions(w, owner.entity_type), "i32"))
+    return cells if owner.axis is not None else w.keep("position", cells)
 
 
 def location(variable: Variable, w: Writer) -> Value:
@@ -143,13 +153,13 @@ def heading(owner: AgentVar, w: Writer) -> Value:
     """Returns the headings of agents or movers, int32."""
     stored = w.stored(attribute_of("heading", owner.entity_type))
     if owner.entity_type.what == "mover":  # a field of words, and so a byte
-        return as_dtype(_of(owner, Value(stored, "u8")), "i32")
-    return _of(owner, Value(stored, "i32"))
+        return as_dtype(_entries_of(owner, Value(stored, "u8")), "i32")
+    return _entries_of(owner, Value(stored, "i32"))
 
 
 def moved(owner: AgentVar, w: Writer) -> Value:
     """Returns whether the last movement changed the cells of agents."""
-    return _of(owner, Value(w.stored(attribute_of("moved", owner.entity_type)), "bool"))
+    return _entries_of(owner, Value(w.stored(attribute_of("moved", owner.entity_type)), "bool"))
 
 
 def present(owner: AgentVar, w: Writer) -> Value:
@@ -165,7 +175,7 @@ def nowhere(w: Writer) -> Value:
 
 
 def positions(w: Writer, entity_type: ir.EntityType = AGENTS) -> Expression:
-    """Returns the cells of all agents, or of all movers of a name."""
+    """Returns the cells in the frame of all agents, or of all movers of a name: `[N]`."""
     return w.stored(attribute_of("position", entity_type))
 
 
@@ -178,8 +188,8 @@ def everybody(w: Writer, entity_type: ir.EntityType) -> AgentVar:
 
 
 def all_positions(w: Writer, but: ir.EntityType | None = None) -> Expression:
-    """Returns the cells of all agents and movers, perhaps without those of one type."""
-    entity_types = [entity_type for entity_type in body_types(w.module.game) if entity_type != but]
+    """Returns the cells in the frame of all agents and movers, without those of the type `but`."""
+    entity_types = [entity_type for entity_type in body_types(w.game) if entity_type != but]
     if len(entity_types) == 1:
         return positions(w, entity_types[0])
     parts = [positions(w, entity_type) for entity_type in entity_types]
@@ -188,10 +198,10 @@ def all_positions(w: Writer, but: ir.EntityType | None = None) -> Expression:
 
 
 def cell(owner: CellVar, w: Writer) -> Value:
-    """Returns the cells of a cell variable in the frame."""
+    """Returns the cells in the frame that a variable is."""
     if owner.painted is not None:
         return _seen_cell(owner, w)
-    return _of(owner, Value(cells_of(owner.kinds, w), "i32"))
+    return _entries_of(owner, Value(cells_of(owner.kinds, w), "i32"))
 
 
 def _seen_cell(owner: CellVar, w: Writer) -> Value:
@@ -201,7 +211,7 @@ def _seen_cell(owner: CellVar, w: Writer) -> Value:
     """
     observer, cells = owner.seen
     comment = "cells of a window from the observer's cell, for each heading"
-    table = w.module.constant("view_offsets", w.module.layout.view_table, comment)
+    table = w.module.constant("view_offsets", w.layout.view_table, comment)
     steps = Value(table[HEADING], "i32", (observer, cells))
     observers = Value(POSITION, "i32", (observer,))
     return w.keep("seen_cells", on_map(observers + steps, w))
@@ -210,8 +220,8 @@ def _seen_cell(owner: CellVar, w: Writer) -> Value:
 def seen_steps(w: Writer, observer: Axis, cells: Axis) -> Value:
     """Returns how many steps each cell of a window is from the observer."""
     comment = "steps from the observer to each cell of its window"
-    table = w.module.constant("view_steps", w.module.layout.steps_table, comment)
-    if w.module.layout.wraps:  # round a map that is not square the way depends on the heading
+    table = w.module.constant("view_steps", w.layout.steps_table, comment)
+    if w.layout.wraps:  # round a map that is not square the way depends on the heading
         return Value(table[HEADING], "i32", (observer, cells))
     return Value(table, "i32", (cells,))
 
@@ -221,23 +231,24 @@ def on_map(cells: Value, w: Writer) -> Value:
 
     If the map wraps, those beyond an edge are cells at the other side.
     """
-    if not w.module.layout.wraps:
+    if not w.layout.wraps:
         return cells
     comment = "the cell of the map that a cell of the frame is; 1: none"
-    table = w.module.constant("around", w.module.layout.edges_table, comment)
+    table = w.module.constant("around", w.layout.edges_table, comment)
     return looked_up(table, cells, "i32")
 
 
 def cells_of(kinds: tuple[str, ...], w: Writer) -> Name:
     """Returns the table of the cells of some kinds."""
-    table = w.module.layout.cells_table(kinds)
+    table = w.layout.cells_table(kinds)
     return w.module.constant(f"cells_{'_'.join(kinds)}", table, f"cells of {', '.join(kinds)}")
 
 
 def placed(owner: CellVar, w: Writer) -> CellVar:
-    """Returns a cell by its number; a cell of a window is found by where it is.
+    """Returns a variable as numbers among the cells of its kinds.
 
-    Where a window shows another kind, the number means nothing.
+    Only a cell of a window is not so yet: it is known by its place in the window. Where a window
+    shows another kind, the number means nothing.
     """
     if owner.painted is None:
         return owner
@@ -246,9 +257,9 @@ def placed(owner: CellVar, w: Writer) -> CellVar:
 
 
 def site_at(cells: Value, kinds: tuple[str, ...], w: Writer) -> Value:
-    """Returns the numbers of cells of the frame among those of `kinds`; past the end: none."""
+    """Returns the numbers of cells of the frame among those of `kinds`, past the end if none."""
     comment = f"number of each cell among {', '.join(kinds)}; past the end: none"
-    numbers = w.module.layout.site_table(kinds)
+    numbers = w.layout.site_table(kinds)
     table = w.module.constant(f"site_of_{'_'.join(kinds)}", numbers, comment)
     return looked_up(table, cells, "i32")
 
@@ -265,19 +276,20 @@ def site_under(owner: AgentVar, kinds: tuple[str, ...], w: Writer) -> tuple[Valu
 
 
 def occupied(owner: CellVar, w: Writer) -> Value:
-    """Returns which cells have an agent or a mover on them."""
+    """Returns which of the cells that a variable is have an agent or a mover on them."""
     bodies = all_positions(w)
     if owner.axis is not None:
-        under = site_at(Value(bodies, "i32", (Axis("", 1, 0),)), owner.kinds, w)
+        any_axis = Axis("", 1, 0)  # of the bodies; nothing is aligned with it
+        under = site_at(Value(bodies, "i32", (any_axis,)), owner.kinds, w)
         site = w.keep(f"{'_'.join(owner.kinds)}_under", under)
         covered = call("occupied", site.node, w.module.num_cells(owner.kinds))
         return replace(w.keep("covered", Value(covered, "bool")), axes=(owner.axis,))
-    at = cell(owner, w)
-    if not at.axes:
-        return Value(reduction("any", at.node.eq(bodies)), "bool")
-    each_body = bodies[*[NEW_AXIS] * len(at.axes), :]
-    is_under = at.node[..., None].eq(each_body)
-    return Value(reduction("any", is_under, (-1,)), "bool", at.axes)
+    cells = cell(owner, w)
+    if not cells.axes:
+        return Value(reduction("any", cells.node.eq(bodies)), "bool")
+    each_body = bodies[*[NEW_AXIS] * len(cells.axes), :]
+    has_body = cells.node[..., None].eq(each_body)
+    return Value(reduction("any", has_body, (-1,)), "bool", cells.axes)
 
 
 def no_cell(w: Writer) -> Value:
@@ -287,26 +299,26 @@ def no_cell(w: Writer) -> Value:
 
 
 def kept_cell(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
-    """Returns a cell as a field keeps it: 256 times its row, and its column."""
-    if not isinstance(e, ir.Member):
+    """Returns a cell as fields store it: 256 times its row on the map, plus its column."""
+    if not isinstance(e, ir.Member):  # it has been stored in this form
         return w.value(e, scope)
     variable = scope.variables[e.name]
     assert isinstance(variable, CellVar)
-    at = cell(variable, w)
-    row = at // w.module.frame_cols - w.module.pad
-    col = at % w.module.frame_cols - w.module.pad
+    in_frame = cell(variable, w)
+    row = in_frame // w.module.frame_cols - w.module.pad
+    col = in_frame % w.module.frame_cols - w.module.pad
     return w.keep("place", (row << ROW) + col)
 
 
 def frame_cell(value: Value, w: Writer) -> Value:
-    """Returns the cell of the frame that a kept one is; 0 for nowhere."""
+    """Returns the cell of the frame for a cell as fields store it; 0, nowhere, for no cell."""
     row = (value >> ROW) + w.module.pad
     col = (value & (2**ROW - 1)) + w.module.pad
-    at = row * w.module.frame_cols + col
-    return w.keep("at", select(value >= 0, at, nowhere(w)))
+    in_frame = row * w.module.frame_cols + col
+    return w.keep("at", select(value >= 0, in_frame, nowhere(w)))
 
 
 def held_cell(e: ir.Expr, kinds: tuple[str, ...], scope: IterationScope, w: Writer) -> CellVar:
-    """Returns the cell that a value is, by its number among some kinds; past the end: none."""
-    at = frame_cell(w.value(e, scope), w)
-    return CellVar(w.keep(f"{'_'.join(kinds)}_held", site_at(at, kinds, w)), kinds)
+    """Returns the cell that an expression is, by its number among `kinds`, past the end if none."""
+    in_frame = frame_cell(w.value(e, scope), w)
+    return CellVar(w.keep(f"{'_'.join(kinds)}_held", site_at(in_frame, kinds, w)), kinds)

@@ -1,4 +1,8 @@
-"""Lowers statements: each becomes array code for all its instances at once."""
+"""Lowers statements: each becomes array code for all its instances at once.
+
+A statement that contains others lowers these in a scope with its quantifier, or with a narrower
+mask; nothing of a block is a branch or a loop in generated code.
+"""
 
 from dataclasses import replace
 from typing import assert_never
@@ -24,7 +28,7 @@ from sjdsl.compiler.program.expressions import Name, reshaped
 
 
 def block(body: tuple[ir.Stmt, ...], scope: IterationScope, w: Writer, sends: Sends) -> None:
-    """Writes a block; names bound in it end with it."""
+    """Writes the statements of a block; a name that `let` or `draw` gives ends with the block."""
     for s in body:
         w.origin = s.origin
         match s:
@@ -45,7 +49,7 @@ def statement(s: ir.Stmt, scope: IterationScope, w: Writer, sends: Sends) -> Non
     match s:
         case ir.Each() if not is_empty(s.domain, w):
             inner = enter(s.domain, scope, w)
-            _inside(s.body, inner, w, sends, domain_name(s.domain, w.module.game))
+            _inside(s.body, inner, w, sends, domain_name(s.domain, w.game))
         case ir.Pick():
             inner, nobody, body = pick(s, scope, w)
             _inside(body, inner, w, sends, f"{s.domain.var.name}_found")
@@ -103,24 +107,28 @@ def statement(s: ir.Stmt, scope: IterationScope, w: Writer, sends: Sends) -> Non
 def _inside(
     body: tuple[ir.Stmt, ...], scope: IterationScope, w: Writer, sends: Sends, name: str = ""
 ) -> None:
-    """Writes a block. name: of its mask, which is kept if several statements read it."""
+    """Writes the block of a statement, unless it never happens.
+
+    name: of the scope's mask, which becomes a variable if several statements read it.
+    """
     if not body or scope.mask == FALSE:
         return
-    num_statements = len(body) + sum(len(getattr(s, "body", ())) for s in body)
-    if num_statements > 1:
+    num_readers = len(body) + sum(len(getattr(s, "body", ())) for s in body)
+    if num_readers > 1:
         scope = replace(scope, mask=w.keep(name or "active", scope.mask))
     block(body, scope, w, sends)
 
 
 def when(s: ir.When, scope: IterationScope, w: Writer, sends: Sends) -> None:
     """Writes branches in order: each where its condition holds and none before it did."""
-    rest = scope
+    is_read_twice = len(s.branches) > 1 or bool(s.otherwise)
+    rest = scope  # where no branch so far happens
     for number, branch in enumerate(s.branches):
         if number > 2:  # of many branches the conditions would pile up
             rest = replace(rest, mask=w.keep("rest", rest.mask))
-        name = condition_name(branch.test, w.module.game)
+        name = condition_name(branch.test, w.game)
         test = w.value(branch.test, scope)
-        if len(s.branches) > 1 or s.otherwise:
+        if is_read_twice:
             test = w.keep(name or "holds", test)
         mask_name = f"where_{name}" if name and rest.mask != TRUE else name
         _inside(branch.body, rest.when(test), w, sends, mask_name)
@@ -129,17 +137,20 @@ def when(s: ir.When, scope: IterationScope, w: Writer, sends: Sends) -> None:
 
 
 def mark(s: ir.Mark, scope: IterationScope, w: Writer) -> None:
-    """Keeps the cells to be shown in the next observation; 0 stands for none."""
+    """Writes `mark beam of x`: notes the beam's cells, to be seen in the next observation.
+
+    Cell 0 stands for none. Raises NotSupported unless x is each agent once.
+    """
     anchor = scope.variables[s.anchor.name]
     if anchor.axis is None or not isinstance(anchor, AgentVar):
         instead = "mark around an agent that an `each` names"
         raise NotSupported("`mark` around anything but an agent of an `each`", s.origin, instead)
     swept = sweep(ir.Near(shape=s.shape, anchor=s.anchor), scope, w)
     happens = reduce("any", scope.mask, without(scope.axes, swept.cells.axes))
-    cells = select(happens & swept.ok, swept.cells, nowhere(w))
+    cells = select(happens & swept.is_reached, swept.cells, nowhere(w))
     marked = w.keep_node("marked", reshaped(cells.node, -1), "i32")
     assert isinstance(marked, Name)
-    w.marked[marked] = mark_size(s, w.module.game)
+    w.marked[marked] = mark_size(s, w.game)
 
 
 def mark_size(rules: ir.Node, game: ir.Game) -> int:

@@ -60,7 +60,12 @@ def _stream(name: str, stream: int, module: Module) -> Literal:
 
 
 def _task_of_side(task: ir.Task, drawn: Expression, module: Module) -> Function:
-    """Returns the function that draws a task of a side from a key."""
+    """Returns the function `task_of_side(params, key)`, which draws a task of the side played.
+
+    It draws any task, then one of the rows of values that the side has, and puts these in place.
+
+    drawn: the state with any task.
+    """
     w = Writer(module)
     w.set(STATE, drawn)
     rows = rows_of_side(task)

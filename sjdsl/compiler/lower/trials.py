@@ -22,8 +22,9 @@ def next_trial(
 ) -> Function:
     """Returns the function `next_trial`.
 
-    laid: the state before `start` at the beginning of an episode. started: returns the state in
-    which a phase of the beginning leaves another.
+    Args:
+      laid: the expression of the state before `start` when an episode begins.
+      started: (a phase of the beginning, a state) -> the expression of the state after the phase.
     """
     w = Writer(module)
     w.set(Name("laid"), laid)

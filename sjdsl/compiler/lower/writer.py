@@ -94,7 +94,10 @@ class Module:
         return Name(self._by_value[value])
 
     def number(self, name: str, value: int, comment: str = "", group: Group = "other") -> Literal:
-        """Returns a number that the module gives a name to, if it is used."""
+        """Returns a number that generated code writes as a named constant: `NUM_WATER` for 124.
+
+        The constant is declared at the top of the module if something reads it. comment: beside it.
+        """
         key = (name.upper(), value)
         if key not in self._by_meaning:
             fresh = self.names.fresh(name.upper())
@@ -280,16 +283,22 @@ class Module:
 
 @dataclass
 class Writer:
-    """Writes the statements of one function.
+    """Writes the statements of one function of the generated module.
 
-    state: the name of the state that is read. exact: whether what is lowered decides something.
-    known: names of what has been computed. parts: names of what kernels have returned.
-    changed, outcome: new values of attributes of the state and of the outcome.
-    added: the sums to be added to fields at the end of a phase; terms: how many terms the exact
-      ones have. joined: the sets to be joined with fields then.
-    marked: cells to be shown, with how many there are.
-    several_lots: the fields that several statements set by lot, and best_ranks: what they drew.
-    parameters: of a function over the cells around each cell, by what they stand for.
+    purpose: what its random streams are named after, such as the phase.
+    body, names: the statements so far, and the names that they have used.
+    starting: whether it is the phase `start`. origin: of the statement that is lowered.
+    state: the name of the state that is read. exact: whether what is lowered decides something, so
+      that reals are computed as written.
+    known: an expression and its dtype -> the variable that has its value. parts: a call of a kernel
+      -> the variables of what it returns. shape_axes: a shape and its anchor -> the axis of its
+      cells. axes_made: how many axes there are.
+    changed, outcome: attributes of State and of Outcome -> their new values.
+    added, joined: attributes -> the sums to be added to them at the end of the phase, and the sets
+      to be joined with them. terms: how many terms a sum of reals that decide something has.
+    marked: cells to be shown -> how many there are.
+    several_lots: the fields that several statements set by lot. best_ranks: what these drew.
+    parameters: of the function that `over_neighbours` calls: what it reads -> its parameter.
     """
 
     module: Module
@@ -316,6 +325,15 @@ class Writer:
 
     def __post_init__(self) -> None:
         self.module.writer = self
+
+    @property
+    def game(self) -> ir.Game:
+        return self.module.game
+
+    @property
+    def layout(self) -> Layout:
+        """The map and its tables."""
+        return self.module.layout
 
     def value(self, e: ir.Expr, scope: IterationScope) -> Value:
         """Returns the array that an expression is for all instances of a scope at once."""

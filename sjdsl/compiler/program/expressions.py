@@ -316,14 +316,14 @@ def reshaped(value: Expression, *sizes: Part) -> Call:
 
 
 def live(body: list[Statement]) -> tuple[Statement, ...]:
-    """Returns the statements without those that give a name to what nothing reads."""
+    """Returns the statements of a function without assignments to variables that nothing reads."""
     kept: list[Statement] = []
-    read: set[str] = set()
+    read_later: set[str] = set()
     for statement in reversed(body):
         if isinstance(statement, Assign):
-            if read.isdisjoint(statement.names):
+            if read_later.isdisjoint(statement.names):
                 continue
-            read -= set(statement.names)
-        read |= {node.identifier for node in walk(statement) if isinstance(node, Name)}
+            read_later -= set(statement.names)
+        read_later |= {node.identifier for node in walk(statement) if isinstance(node, Name)}
         kept.append(statement)
     return tuple(reversed(kept))

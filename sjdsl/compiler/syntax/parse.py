@@ -224,14 +224,17 @@ def _closes_repaired_bracket(repair: Repair, trouble: Trouble) -> bool:
 
 
 def _add(search: Search, problem: Diagnostic) -> None:
-    """Adds an error; a reserved word used as a name is one, however often the name is used."""
-    identity: tuple[int, object] = (1, problem.span)
+    """Adds an error, one for each place of the text.
+
+    A reserved word used as a name is one error, with a label at each further place.
+    """
+    key: tuple[int, object] = (1, problem.span)
     if isinstance(problem, errors.ReservedWord):
-        identity = (0, problem.word)
-    known = search.problems.setdefault(identity, problem)
-    if isinstance(known, errors.ReservedWord) and known is not problem:
-        labels = (*known.labels, Label(problem.span, "used here, too"))
-        search.problems[identity] = replace(known, labels=labels)
+        key = (0, problem.word)
+    first = search.problems.setdefault(key, problem)
+    if isinstance(first, errors.ReservedWord) and first is not problem:
+        labels = (*first.labels, Label(problem.span, "used here, too"))
+        search.problems[key] = replace(first, labels=labels)
 
 
 def _change_of_braces(repair: Repair, kinds: Sequence[str]) -> int:

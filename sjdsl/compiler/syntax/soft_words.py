@@ -19,9 +19,12 @@ CALLED = frozenset({"ANY"})  # those that stand where names can as well: words o
 
 
 def names_in_place(kinds: Sequence[str]) -> list[int]:
-    """Returns which tokens of `CALLED` are names.
+    """Returns the places of the tokens of `CALLED`, such as `any`, that are names here.
 
-    They are those without `(`, and all of a word that the text gives to a `define`.
+    They are those without `(` after them, and all of a word that a `define` of the text has as its
+    name.
+
+    kinds: of all tokens of a text, in order.
     """
     if CALLED.isdisjoint(kinds):
         return []
