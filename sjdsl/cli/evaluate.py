@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 # Parameters that are allowed without --game.
 WITHOUT_GAME = (
     "run", "episodes", "seed", "greedy", "film", "scenario", "allow_code", "tasks", "split",
-    "problem", "parallel", "budget", "calls", "dry_run",
+    "problem", "parallel", "budget", "calls", "dry_run", "status",
 )  # fmt: skip
 STORED = ".safetensors"
 
@@ -102,7 +102,9 @@ def command(
         evaluate_in_scenarios(run, scenario, game, episodes, seed, output, options, asking)
         return
     if asking != Asking(Limits()):
-        raise click.UsageError("--parallel, --budget, --calls and --dry-run are for --scenario")
+        raise click.UsageError(
+            "--parallel, --budget, --calls, --dry-run and --status are for --scenario"
+        )
     if film is not None:
         check_film(Path(film))
         require_folder_of(Path(film))

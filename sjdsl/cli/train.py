@@ -75,9 +75,7 @@ BESIDE_RESUME = (  # parameters of the command that are allowed with --resume
 @click.option(
     "--callback", metavar="FILE.py:NAME", help="Call your own function after each update."
 )
-@click.option(
-    "--distributed", is_flag=True, help="Run as one of several processes: docs/runs.md."
-)
+@click.option("--distributed", is_flag=True, help="Run as one of several processes: docs/runs.md.")
 @click.option("--keys", is_flag=True, help="List all settings with their values, and stop.")
 @environment_options
 def command(

@@ -108,23 +108,24 @@ def _first_tokens(experiment: Experiment, policy: HostPolicy) -> int:
 
 
 def by_wording(experiment: Experiment, parts: Sequence[Part]) -> dict[str, tuple[Estimate, ...]]:
-    """Returns the mean return of an agent of each model that plays a role, for each wording of it,
-    over the episodes of all line-ups.
+    """Returns the mean return of an agent of each model that plays a role, for each wording of it
+    that was played, over the episodes of all line-ups.
     """
     estimates = {}
     for index, pool in enumerate(experiment.pools):
         policy = pool.players[0].host
         if policy is None or not policy.role:
             continue
-        number = len(wordings(policy.role, cast(Any, experiment.env).game))
+        of_role = wordings(policy.role, cast(Any, experiment.env).game)
+        played = min(len(of_role), experiment.episodes)
         means = [
             part.returns[:, np.array(part.lineup) == index].mean(axis=1)
             for part in parts
             if index in part.lineup
         ]
         estimates[pool.name] = tuple(
-            estimate(np.concatenate([of_part[wording::number] for of_part in means]))
-            for wording in range(number)
+            estimate(np.concatenate([of_part[wording :: len(of_role)] for of_part in means]))
+            for wording in range(played)
         )
     return estimates
 
