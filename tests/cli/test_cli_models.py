@@ -257,15 +257,30 @@ def test_a_person_plays_among_models(
     recording = load_recording(folder / "played.json", 0)
     assert recording.returns == [0, 20]
     assert recording.players == ["models.toml:luna+cooperator", "you"]
+    assert recording.why == [["my part", ""]] * 4
+    assert "my part" not in shown.out, "the person doesn't read the thoughts of others"
     replayed = sjdsl("replay", "played.json")
     assert replayed.status == 0
-    assert "0 models.toml:luna+cooperator" in replayed.out
+    assert replayed.out.count("  0 models.toml:luna+cooperator: my part\n") == 4
 
     monkeypatch.setattr("sys.stdin", io.StringIO("stay\n"))
     shown = sjdsl("play", str(MATRIX), "--others", "models.toml:luna+defector", "--steps", "1")
     assert shown.status == 0, shown.text
     assert len(server.requests) == 5
     assert "1 models.toml:luna+defector" in shown.out
+    (folder / "own.py").write_text(
+        "from sjdsl.models import HostPolicy, Reply\n"
+        "class Betrays(HostPolicy):\n"
+        "    def decide(self, agent, message):\n"
+        "        return Reply('betray', why=f'as {agent}')\n"
+        "betrays = Betrays()\n"
+    )
+    monkeypatch.setattr("sys.stdin", io.StringIO("stay\n"))
+    others = ("--others", "own.py:betrays", "--record", "own.json")
+    assert sjdsl("play", str(MATRIX), *others).status == 0
+    recording = load_recording(folder / "own.json", 0)
+    assert (recording.actions, recording.why) == ([[0, 1]], [["", "as 1"]])
+    assert recording.players == ["you", "own.py:betrays"]
     for slots_text, problem in (
         ("you", "has 2 agents, but --slots names 1"),
         ("you,you", "`you` can play one agent"),

@@ -67,9 +67,10 @@ def test_an_episode_is_that_of_the_terminal(folder: Path, monkeypatch: pytest.Mo
     recorded = ask(bench, do="record")
     assert recorded["name"] == "yard.json"
     kept = json.loads(recorded["recording"])
-    same = ("hash", "seed", "actions", "returns", "players")
+    same = ("hash", "seed", "actions", "returns", "players", "why")
     assert [kept[name] for name in same] == [played[name] for name in same]
     assert kept["players"] == list(SLOTS)
+    assert kept["why"] == [["", "", "", "", "by a hash"]] * len(KEYS)
     Path("kept.json").write_text(recorded["recording"])
     assert run(["replay", "kept.json"]) == 0
 
