@@ -21,6 +21,7 @@ from pathlib import Path
 import jinja2
 
 from sjdsl.editor.highlighting import patterns
+from sjdsl.studio.server import FirstGame
 
 HERE = Path(__file__).parent
 ROOT = HERE.parent.parent
@@ -236,7 +237,7 @@ def _page() -> str:
     page = (ROOT / "sjdsl/studio/page/studio.html").read_text(encoding="utf-8")
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined, autoescape=True)
     text = environment.from_string(page).render(
-        token="", opened="example:clean_up.sj", patterns=json.dumps(patterns())
+        token="", first=FirstGame("example:clean_up.sj"), patterns=json.dumps(patterns())
     )
     script = '<script type="module" src="./studio.js">'
     text = text.replace("/assets/", "./").replace(

@@ -80,7 +80,8 @@ Steering = Iterable[Mapping[int, int]]
 @click.option(
     "--slots",
     metavar="P,P,...",
-    help=f"Instead of --agent and --others: who plays each agent, `{YOU}` yourself.",
+    help=f"Instead of --agent and --others: who plays each agent, `{YOU}` yourself, and any name "
+    "that --others takes.",
 )
 @code_option
 @seed_option("Seed of the episode.")

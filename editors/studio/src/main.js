@@ -18,6 +18,7 @@ import { makePanes, showPane } from "./panes.js";
 import { ASKED, LASTING, PANELS, fill } from "./panels.js";
 import { Problems } from "./problems.js";
 import { showTour } from "./tour.js";
+import { isServed } from "./transport.js";
 
 const meta = (name) => document.querySelector(`meta[name="${name}"]`).content;
 const files = new Files();
@@ -49,7 +50,13 @@ async function openFile(path) {
   const file = await files.read(path);
   if (file.refused) return say(file.refused);
   say("");
-  Object.assign(open, { path, uri: file.uri, digest: file.digest, saved: file.text, variants: [], agents: null, params: {}, map: null });
+  const chosen = (name) => (path === meta("opened") ? meta(name) : ""); // on the command line
+  Object.assign(open, {
+    path, uri: file.uri, digest: file.digest, saved: file.text,
+    variants: chosen("variant") ? chosen("variant").split("+") : [],
+    agents: chosen("agents") ? Number(chosen("agents")) : null,
+    params: {}, map: null,
+  });
   find("name").textContent = nameOf(path);
   document.title = `${path} · sjdsl studio`;
   makeEditor(file.text);
@@ -184,7 +191,8 @@ function showGame({ game, pictures }) {
   open.game = game;
   find("title").textContent = game.title;
   const chosen = game.chosen.join("+");
-  options(find("variant"), [["", "as written"], ...game.variants.map(([name]) => [name, name])], chosen);
+  const names = game.variants.map(([name]) => name), several = names.includes(chosen) || !chosen ? [] : [chosen];
+  options(find("variant"), [["", "as written"], ...[...names, ...several].map((name) => [name, name])], chosen);
   find("variant").title = game.variants.find(([name]) => name === chosen)?.[1] ?? "";
   for (const [number, [, title]] of game.variants.entries()) find("variant").options[number + 1].title = title;
   find("variant").disabled = !game.variants.length;
@@ -214,7 +222,8 @@ function showRoles(game) {
     options(find("others"), [["", "as seated"]], "");
   } else {
     if (wasSeated || shown.driven >= game.agents) shown.driven = null;
-    options(find("others"), [...game.policies.map((name) => [name, name]), ["RUN@best", "trained, or a model"]], game.others);
+    const elsewhere = isServed ? [["RUN@best", "trained, or a model"]] : []; // a browser has no JAX: no seats to ask for
+    options(find("others"), [...game.policies.map((name) => [name, name]), ...elsewhere], game.others);
   }
   options(find("driven"), [["", "nobody"], ...Array.from({ length: game.agents }, (_, agent) => [String(agent), `agent ${agent}`])], String(shown.driven ?? ""));
   showKeys();
