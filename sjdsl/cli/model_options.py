@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sjdsl.models import Limits
-from sjdsl.models.seats import PARALLEL
+from sjdsl.models.asking import PARALLEL
 
 if TYPE_CHECKING:
     from sjdsl.experiments.playing import Experiment
@@ -93,12 +93,10 @@ def show_forecast(
                 "--budget, --calls, --dry-run and --status are for language models, and none plays"
             )
         return
-    from sjdsl.experiments.folder import require_same
     from sjdsl.experiments.usage import forecasts, status_text
 
     if asking.status:
-        require_same(folder, description)
-        click.echo(status_text(experiment, folder))
+        click.echo(status_text(experiment, folder, description))
         raise click.exceptions.Exit(0)
     of_models = forecasts(experiment)
     calls = sum(forecast.calls for forecast in of_models.values())

@@ -12,13 +12,14 @@ from typing import Any, cast
 import jax
 import numpy as np
 
+from sjdsl.experiments.folder import require_same
 from sjdsl.experiments.playing import Experiment, Part, part_name
 from sjdsl.experiments.stacks import find_hosts
 from sjdsl.models import HostPolicy, Limits, Model, Reply, Seats
 from sjdsl.models.account import Account, Usage, tokens
+from sjdsl.models.asking import Question
 from sjdsl.models.recorded import FOLDER, file_of, read_talks
 from sjdsl.models.roles import wordings
-from sjdsl.models.seats import Question
 from sjdsl.trainers.environment import episode_length, num_trials
 from sjdsl.trainers.policies.estimates import Estimate, estimate
 
@@ -66,12 +67,16 @@ def _calls_of_a_seat(env: Any, policy: HostPolicy) -> int:
     return episode_length(env) + notes
 
 
-def status_text(experiment: Experiment, folder: Path) -> str:
+def status_text(experiment: Experiment, folder: Path, description: Mapping[str, Any]) -> str:
     """Returns how far the calls of an experiment are, which may be running: by model, role, trial.
 
     Args:
-      folder: of its results.
+      folder: of its results; description: everything that they depend on.
+
+    Raises:
+      ExperimentError: the folder holds another experiment.
     """
+    require_same(folder, description)
     account = Account(Limits())
     most = 0
     for lineup, replicate in product(experiment.lineups, range(experiment.replicates)):

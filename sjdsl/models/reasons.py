@@ -1,7 +1,7 @@
 """Why agents that are asked in words did what they did in an episode."""
 
+from sjdsl.models.asking import Question, ask_policy
 from sjdsl.models.policy import Reply
-from sjdsl.models.seats import Question, ask_policy
 
 
 class Reasons:

@@ -2,8 +2,8 @@
 
 from collections.abc import Callable, Sequence
 
+from sjdsl.models.asking import Ask, ask_policy
 from sjdsl.models.hosted import hosted_policy
-from sjdsl.models.seats import Ask, ask_policy
 from sjdsl.runtime.env import Environment
 from sjdsl.runtime.policy import MemoryPolicy, Policy, mixed_policy
 
