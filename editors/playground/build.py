@@ -25,6 +25,7 @@ import jinja2
 
 from sjdsl.editor.highlighting import patterns
 from sjdsl.studio import tour
+from sjdsl.studio.server import FirstGame
 from sjdsl.studio.serverless import Serverless
 
 HERE = Path(__file__).parent
@@ -243,7 +244,7 @@ def _page() -> str:
     page = (ROOT / "sjdsl/studio/page/studio.html").read_text(encoding="utf-8")
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined, autoescape=True)
     text = environment.from_string(page).render(
-        token="", opened=tour.games()[0], patterns=json.dumps(patterns())
+        token="", first=FirstGame(tour.games()[0]), patterns=json.dumps(patterns())
     )
     script = '<script type="module" src="./studio.js">'
     text = text.replace("/assets/", "./").replace(

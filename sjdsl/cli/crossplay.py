@@ -89,14 +89,18 @@ def command(
     require("plots", "matplotlib")
     folder = Path(output or f"{Path(game).stem}_crossplay")
     with prepare_experiment(game, in_slots or policies, folder, options) as (env, say):
-        from sjdsl.experiments.crossplay import plan_cross_play, play_mixtures
+        from sjdsl.experiments.crossplay import (
+            describe_cross_play,
+            plan_cross_play,
+            play_mixtures,
+        )
         from sjdsl.experiments.summaries import crossplay_text
 
         kind = mix or "all"
         with warnings_as_notes():
             plan = plan_cross_play(env, in_slots, policies or None, kind, episodes, seed, rotate)
-        show_forecast(plan, asking, folder)
         mixed = kind if in_slots is None else None
+        show_forecast(plan, asking, folder, describe_cross_play(plan, mixed))
         results = play_mixtures(plan, mixed, folder, say, asking.limits)
     click.echo(crossplay_text(results))
     echo_files(folder, FILES)

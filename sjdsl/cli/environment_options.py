@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import click
 
 import sjdsl
-from sjdsl.cli.game_file import game_path, map_option, variant_option
+from sjdsl.cli.game_file import agents_option, game_path, map_option, variant_option
 from sjdsl.compiler import Build
 from sjdsl.compiler.diagnostics.diagnostic import CompileError, Diagnostic
 from sjdsl.interpreter.numbers import real
@@ -138,9 +138,6 @@ def environment_options(command: Command) -> Command:
         options = EnvironmentOptions(variant, map_file, agents, numbers, played, split, problem)
         return command(options=options, **others)
 
-    agents_option = click.option(
-        "--agents", type=click.IntRange(min=1), metavar="N", help="The number of agents."
-    )
     param_option = click.option(
         "--param",
         "params",

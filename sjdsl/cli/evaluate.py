@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 # Parameters that are allowed without --game.
 WITHOUT_GAME = (
     "run", "episodes", "seed", "greedy", "film", "scenario", "allow_code", "tasks", "split",
-    "problem", "parallel", "budget", "calls", "dry_run",
+    "problem", "parallel", "budget", "calls", "dry_run", "status",
 )  # fmt: skip
 # Parameters that say which form of a game is played.
 OF_GAME = ("variant", "map_file", "agents", "params", "tasks", "split", "problem")
@@ -109,7 +109,9 @@ def command(
             _echo_next(run, None, _more_of_run(run))
         return
     if asking != Asking(Limits()):
-        raise click.UsageError("--parallel, --budget, --calls and --dry-run are for --scenario")
+        raise click.UsageError(
+            "--parallel, --budget, --calls, --dry-run and --status are for --scenario"
+        )
     if film is not None:
         check_film(Path(film))
         require_folder_of(Path(film))

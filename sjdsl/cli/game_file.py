@@ -29,6 +29,9 @@ def game_path(name: str) -> Path:
 variant_option = click.option(
     "--variant", metavar="V", help="A variant of the game; several as a+b."
 )
+agents_option = click.option(
+    "--agents", type=click.IntRange(min=1), metavar="N", help="The number of agents."
+)
 map_option = click.option(
     "--map", "map_file", metavar="FILE", help="Another map, drawn with the game's glyphs."
 )

@@ -1,7 +1,7 @@
 """The options of commands in which language models may play, and what a dry run prints."""
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sjdsl.models import Limits
-from sjdsl.models.seats import PARALLEL
+from sjdsl.models.asking import PARALLEL
 
 if TYPE_CHECKING:
     from sjdsl.experiments.playing import Experiment
@@ -75,11 +75,16 @@ def model_options(command: Command) -> Command:
     return parallel_option(budget_option(calls_option(dry_run_option(status_option(with_asking)))))
 
 
-def show_forecast(experiment: "Experiment", asking: Asking, folder: Path) -> None:
+def show_forecast(
+    experiment: "Experiment", asking: Asking, folder: Path, description: Mapping[str, Any]
+) -> None:
     """Prints what the models of an experiment are asked, if it is much; a dry run ends then, and so
     does one that only prints what they have been asked in a folder.
 
-    Raises UsageError for options about models in an experiment without one.
+    description: everything that the results in the folder depend on.
+
+    Raises UsageError for options about models in an experiment without one, and ExperimentError if
+    what they have been asked is wanted of a folder that holds another experiment.
     """
     limits = asking.limits
     if not experiment.hosts:
@@ -91,7 +96,7 @@ def show_forecast(experiment: "Experiment", asking: Asking, folder: Path) -> Non
     from sjdsl.experiments.usage import forecasts, status_text
 
     if asking.status:
-        click.echo(status_text(experiment, folder))
+        click.echo(status_text(experiment, folder, description))
         raise click.exceptions.Exit(0)
     of_models = forecasts(experiment)
     calls = sum(forecast.calls for forecast in of_models.values())

@@ -39,7 +39,7 @@ from sjdsl.interpreter.state import Value, copied
 from sjdsl.interpreter.step import reset, step
 from sjdsl.interpreter.threefry import Threefry
 from sjdsl.library.action_names import split_actions
-from sjdsl.models import is_model_name
+from sjdsl.models.reasons import Reasons
 from sjdsl.render.letters import Letters, board_rows, make_letters
 from sjdsl.render.moment import Moment, moment_of
 from sjdsl.render.readings import agent_readings, join_readings, world_readings
@@ -80,7 +80,8 @@ Steering = Iterable[Mapping[int, int]]
 @click.option(
     "--slots",
     metavar="P,P,...",
-    help=f"Instead of --agent and --others: who plays each agent, `{YOU}` yourself.",
+    help=f"Instead of --agent and --others: who plays each agent, `{YOU}` yourself, and any name "
+    "that --others takes.",
 )
 @code_option
 @seed_option("Seed of the episode.")
@@ -125,11 +126,7 @@ def command(
         raise click.ClickException(
             f"{rules.name} has no agent {agent}; its agents are 0 to {rules.agents.number - 1}"
         )
-    elif is_model_name(others) and not watch:
-        check_policy(others, rules)
-        seats = [others] * rules.agents.number
-        seats[agent] = YOU
-    if not seats:
+    else:
         check_policy(others, rules)
 
     length = int(evaluate(rules.episode, Instance(board, declared_world(board, values))))
@@ -140,16 +137,22 @@ def command(
     else:
         typed = typed_actions(rules.agents.actions)
         steering = islice(({player: action} for action in typed), most_steps)
+    reasons = Reasons()
     is_declared = others in (*UNTRAINED, *(policy.name for policy in rules.policies))
     if not seats and is_declared:
         moments = play_interpreted(rules, values, seed, chooser(rules, others, seed), steering)
     else:
         with stages(f"compiling {rules.name}"):
             env = make_environment(arguments)
-            if seats:
-                from sjdsl.trainers.policies.seating import seated_policy
+            from sjdsl.trainers.policies.loading import find_host
+            from sjdsl.trainers.policies.seating import seated_policy
 
-                policy = seated_policy(seats, env, choose_policy)
+            if not seats and find_host(others) is not None:
+                seats = [others] * rules.agents.number
+                if player is not None:
+                    seats[player] = YOU
+            if seats:
+                policy = seated_policy(seats, env, choose_policy, reasons.ask)
             else:
                 policy = choose_policy(others, env)
             moments = play_compiled(env, policy, seed, steering)
@@ -181,6 +184,7 @@ def command(
                 actions=actions,
                 returns=returns,
                 players=seats or None,
+                why=reasons.table(len(actions), rules.agents.number),
             )
             save_recording(recording, Path(record))
             click.echo(f"\n{record}  {len(actions)} steps of {title}")

@@ -73,10 +73,16 @@ def check_policy(name: str, game: "ir.Game") -> None:
 def read_seats(slots: str, game: "ir.Game") -> tuple[list[str], int | None]:
     """Returns the names of --slots, and the agent that a person plays, if any.
 
+    `file` becomes the name of the agent's policy in the game's file, or `random`.
+
     Raises ClickException for names that don't fit the game, and ModelError for a wrong file of
     models; needs no JAX.
     """
-    seats = [name.strip() for name in slots.split(",")]
+    declared = [policy.name for policy in game.policies] or ["random"]
+    seats = [
+        declared[agent % len(declared)] if name.strip() == SIDE_BY_SIDE else name.strip()
+        for agent, name in enumerate(slots.split(","))
+    ]
     try:
         person = seat_of_person(seats, game.agents.number, game.name)
     except ValueError as error:

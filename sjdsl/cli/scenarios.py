@@ -52,7 +52,7 @@ def evaluate_in_scenarios(
 
         with warnings_as_notes():
             plan = plan_scenarios(env, policy, names, episodes, seed)
-        show_forecast(plan.experiment, asking, folder / stem)
+        show_forecast(plan.experiment, asking, folder / stem, plan.describe())
         results = play_planned(plan, folder, say, stem, asking.limits)
     click.echo(scenarios_text(results))
     echo_files(folder, (f"{stem}.json",))

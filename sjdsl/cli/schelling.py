@@ -38,12 +38,12 @@ def command(
     require("plots", "matplotlib")
     folder = Path(output or f"{Path(game).stem}_schelling")
     with prepare_experiment(game, (cooperators, defectors), folder, options) as (env, say):
-        from sjdsl.experiments.schelling import plan_diagram, play_diagram
+        from sjdsl.experiments.schelling import describe_diagram, plan_diagram, play_diagram
         from sjdsl.experiments.summaries import diagram_text
 
         with warnings_as_notes():
             plan = plan_diagram(env, cooperators, defectors, episodes, seed)
-        show_forecast(plan, asking, folder)
+        show_forecast(plan, asking, folder, describe_diagram(plan))
         diagram = play_diagram(plan, folder, say, asking.limits)
     click.echo(diagram_text(diagram))
     echo_files(folder, FILES)

@@ -1,16 +1,26 @@
 """`sjdsl studio`: shows a game's text beside its board, in the browser of this machine."""
 
+import os
 import socket
 import webbrowser
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
 
-from sjdsl.cli.game_file import game_path
-from sjdsl.cli.policies import NAMES, code_option, read_seats
+from sjdsl.cli.environment_options import EnvironmentOptions
+from sjdsl.cli.game_file import agents_option, game_path, variant_option
+from sjdsl.cli.policies import (
+    FROM_FILE,
+    NAMES,
+    SIDE_BY_SIDE,
+    choose_policy,
+    code_option,
+    read_seats,
+)
+from sjdsl.cli.stages import LOADING, stages
 from sjdsl.extras import require
 from sjdsl.library.cache import cache_folder
-from sjdsl.library.checked_game import build_game
 from sjdsl.studio.access import HOST, Access, kept_token
 from sjdsl.studio.examples import example_of
 from sjdsl.studio.seats import Seats
@@ -31,13 +41,22 @@ PORT = 8421
 @click.option(
     "--slots",
     metavar="P,P,...",
-    help=f"Who plays each agent of GAME, `{YOU}` yourself: {NAMES}",
+    help=f"Who plays each agent of GAME, `{YOU}` yourself: {NAMES} {SIDE_BY_SIDE}: {FROM_FILE}.",
 )
 @code_option
+@variant_option
+@agents_option
 @click.option(
     "--browser/--no-browser", default=True, help="Open the page in the browser.  [default: browser]"
 )
-def command(game: str | None, port: int | None, slots: str | None, browser: bool) -> None:
+def command(
+    game: str | None,
+    port: int | None,
+    slots: str | None,
+    variant: str | None,
+    agents: int | None,
+    browser: bool,
+) -> None:
     """Opens the games of this folder in the browser: text, board, rules on a page, generated code.
 
     GAME is the `.sj` file to open first, or a bundled game as an example. The page is served to
@@ -46,17 +65,24 @@ def command(game: str | None, port: int | None, slots: str | None, browser: bool
     """
     require("studio", "starlette", "uvicorn", "websockets", "pygls")
     folder = Path.cwd().resolve()
-    opened = None if game is None else _path_in_page(game, folder)
+    options = EnvironmentOptions(variant=variant, num_agents=agents)
+    path = None if game is None else _path_in_page(game, folder)
     seats = None
-    if slots is not None:
-        if game is None or opened is None:
-            raise click.UsageError("--slots says who plays GAME: name a game before it")
-        built, _ = build_game(game_path(game))
-        names, _ = read_seats(slots, built.game)
-        seats = Seats(opened, tuple(names), allowed_code())
+    if slots is not None or options.names:
+        if game is None or path is None:
+            raise click.UsageError(
+                "--slots, --variant and --agents are about GAME: name a game before them"
+            )
+        rules = options.check(game)
+        if slots is not None:
+            names, _ = read_seats(slots, rules)
+            _check_players(names, game, options)
+            seats = Seats(path, tuple(names), allowed_code())
     import uvicorn
 
-    from sjdsl.studio.server import make_app
+    from sjdsl.studio.server import FirstGame, make_app
+
+    first = None if path is None else FirstGame(path, variant or "", agents)
 
     listening = _listen(port)
     access = Access(listening.getsockname()[1], kept_token(cache_folder()))
@@ -64,12 +90,24 @@ def command(game: str | None, port: int | None, slots: str | None, browser: bool
     if browser:
         webbrowser.open(access.address)
     settings = uvicorn.Config(
-        make_app(folder, access, opened, seats),
+        make_app(folder, access, first, seats),
         log_level="warning",
         ws="websockets-sansio",
         ws_max_size=2**21,
     )
     uvicorn.Server(settings).run(sockets=[listening])
+
+
+def _check_players(names: Sequence[str], game: str, options: EnvironmentOptions) -> None:
+    """Loads who plays, so that the page has no policy that doesn't fit the game.
+
+    Raises PolicyError, ModelError or ConfigError; notes about policies are printed.
+    """
+    os.environ.setdefault("JAX_PLATFORMS", "cpu")  # an accelerator is left to trainings beside it
+    with stages(LOADING):
+        from sjdsl.trainers.policies.seating import seated_policy
+
+        seated_policy(names, options.make(game), choose_policy)
 
 
 def _path_in_page(game: str, folder: Path) -> str:

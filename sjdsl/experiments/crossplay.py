@@ -77,12 +77,7 @@ def play_mixtures(
     limits: Limits | None = None,
 ) -> CrossPlay:
     """Plays a plan of `plan_cross_play`; see `cross_play`. `mix`: None for a fixed line-up."""
-    description = {
-        "experiment": "crossplay",
-        "mix": mix,
-        "lineups": experiment.lineups,
-        **experiment.describe(),
-    }
+    description = describe_cross_play(experiment, mix)
     path = None if folder is None else Path(folder)
     if path is not None:
         require_same(path, description)
@@ -92,6 +87,16 @@ def play_mixtures(
     if path is not None:
         write_cross_play(results, path, description)
     return results
+
+
+def describe_cross_play(experiment: Experiment, mix: Mix | None) -> dict[str, Any]:
+    """Returns everything that the results depend on, as JSON values."""
+    return {
+        "experiment": "crossplay",
+        "mix": mix,
+        "lineups": experiment.lineups,
+        **experiment.describe(),
+    }
 
 
 def plan_cross_play(

@@ -10,7 +10,7 @@ import numpy as np
 from sjdsl.compiler import ir
 from sjdsl.experiments.lineups import Lineup
 from sjdsl.experiments.playing import Experiment, Part
-from sjdsl.experiments.usage import describe_usage
+from sjdsl.experiments.usage import by_wording, describe_usage
 from sjdsl.models.account import Usage
 from sjdsl.trainers.policies.estimates import Estimate, estimate
 
@@ -29,6 +29,8 @@ class ScenarioScore:
     background_returns: np.ndarray | None
     # [R, E] float64: that of focal agents who play `random`, a policy of the file, or `stay`.
     baselines: Mapping[str, np.ndarray]
+    # Of `focal`, over the episodes with each wording of the focal policy's role, if it plays one.
+    by_wording: tuple[Estimate, ...] = ()
 
     @property
     def focal(self) -> Estimate:
@@ -149,7 +151,10 @@ def line_up(scenario: ir.Scenario, focal: int, scripted: Mapping[str, int]) -> L
 
 
 def score_of(
-    scenario: ir.Scenario, scripted: Mapping[str, int], parts: Sequence[Part]
+    scenario: ir.Scenario,
+    experiment: Experiment,
+    scripted: Mapping[str, int],
+    parts: Sequence[Part],
 ) -> ScenarioScore:
     """Returns the scores of a scenario with pool 0 and each scripted pool as focal agents."""
     numbers = [slots.number for slots in scenario.slots]
@@ -161,11 +166,15 @@ def score_of(
         returns = [part.returns for part in parts if part.lineup == lineup]
         return np.stack([values[:, members].mean(axis=1) for values in returns])
 
+    focal_lineup = line_up(scenario, 0, scripted)
+    focal_parts = [part for part in parts if part.lineup == focal_lineup]
+    of_roles = by_wording(experiment, focal_parts)
     return ScenarioScore(
         scenario,
         focal_returns=per_capita(0, is_focal),
         background_returns=None if is_focal.all() else per_capita(0, ~is_focal),
         baselines={name: per_capita(pool, is_focal) for name, pool in scripted.items()},
+        by_wording=of_roles.get(experiment.pools[0].name, ()),
     )
 
 
@@ -197,6 +206,7 @@ def _describe_score(score: ScenarioScore) -> dict[str, Any]:
         "title": score.scenario.title,
         "slots": slots_of(score.scenario),
         "focal": asdict(score.focal),
+        **({"wordings": list(map(asdict, score.by_wording))} if score.by_wording else {}),
         "background": None if background is None else asdict(background),
         "baselines": {name: asdict(score.baseline(name)) for name in score.baselines},
         "best": score.best,

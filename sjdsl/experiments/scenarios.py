@@ -141,7 +141,8 @@ def play_planned(
     with open_talks(plan.experiment, path, plan.describe(), limits, tell) as talks:
         parts = play_experiment(plan.experiment, tell, talks)
     scores = {
-        scenario.name: score_of(scenario, plan.scripted, parts) for scenario in plan.scenarios
+        scenario.name: score_of(scenario, plan.experiment, plan.scripted, parts)
+        for scenario in plan.scenarios
     }
     results = ScenarioScores(plan.experiment, scores, talks.account.by_policy())
     if folder is not None:

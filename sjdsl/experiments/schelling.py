@@ -65,7 +65,7 @@ def play_diagram(
     experiment: Experiment, folder: Path | str | None, tell: Tell, limits: Limits | None = None
 ) -> Diagram:
     """Plays a plan of `plan_diagram`; see `schelling_diagram`."""
-    description = {"experiment": "schelling", **experiment.describe()}
+    description = describe_diagram(experiment)
     path = None if folder is None else Path(folder)
     if path is not None:
         require_same(path, description)
@@ -77,6 +77,11 @@ def play_diagram(
     if path is not None:
         write_diagram(diagram, path, description)
     return diagram
+
+
+def describe_diagram(experiment: Experiment) -> dict[str, Any]:
+    """Returns everything that the results depend on, as JSON values."""
+    return {"experiment": "schelling", **experiment.describe()}
 
 
 def plan_diagram(

@@ -16,7 +16,7 @@ from jax import Array
 from sjdsl.experiments.players import Player
 from sjdsl.models import HostPolicy
 from sjdsl.models import Seats as AskedSeats
-from sjdsl.models.seats import Ask
+from sjdsl.models.asking import Ask
 from sjdsl.trainers.environment import Environment
 from sjdsl.trainers.policies.evaluation import (
     Evaluation,

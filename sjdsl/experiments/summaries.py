@@ -115,7 +115,13 @@ def scenarios_text(scores: ScenarioScores) -> str:
         "score: (focal - random) / (best scripted - random), where random and best scripted play "
         "the focal agents of the same scenario"
     )
-    lines = [title, in_columns(rows), definition, *cautions, usage_text(scores.usage)]
+    of_wordings = {
+        f"{scores.policy} in {name}": score.by_wording
+        for name, score in scores.scenarios.items()
+        if score.by_wording
+    }
+    lines = [title, in_columns(rows), definition, *cautions]
+    lines.append(usage_text(scores.usage, of_wordings))
     return "\n".join(lines).rstrip()
 
 

@@ -12,13 +12,14 @@ from typing import Any, cast
 import jax
 import numpy as np
 
+from sjdsl.experiments.folder import require_same
 from sjdsl.experiments.playing import Experiment, Part, part_name
 from sjdsl.experiments.stacks import find_hosts
 from sjdsl.models import HostPolicy, Limits, Model, Reply, Seats
 from sjdsl.models.account import Account, Usage, tokens
+from sjdsl.models.asking import Question
 from sjdsl.models.recorded import FOLDER, file_of, read_talks
 from sjdsl.models.roles import wordings
-from sjdsl.models.seats import Question
 from sjdsl.trainers.environment import episode_length, num_trials
 from sjdsl.trainers.policies.estimates import Estimate, estimate
 
@@ -66,12 +67,16 @@ def _calls_of_a_seat(env: Any, policy: HostPolicy) -> int:
     return episode_length(env) + notes
 
 
-def status_text(experiment: Experiment, folder: Path) -> str:
+def status_text(experiment: Experiment, folder: Path, description: Mapping[str, Any]) -> str:
     """Returns how far the calls of an experiment are, which may be running: by model, role, trial.
 
     Args:
-      folder: of its results.
+      folder: of its results; description: everything that they depend on.
+
+    Raises:
+      ExperimentError: the folder holds another experiment.
     """
+    require_same(folder, description)
     account = Account(Limits())
     most = 0
     for lineup, replicate in product(experiment.lineups, range(experiment.replicates)):
@@ -108,23 +113,24 @@ def _first_tokens(experiment: Experiment, policy: HostPolicy) -> int:
 
 
 def by_wording(experiment: Experiment, parts: Sequence[Part]) -> dict[str, tuple[Estimate, ...]]:
-    """Returns the mean return of an agent of each model that plays a role, for each wording of it,
-    over the episodes of all line-ups.
+    """Returns the mean return of an agent of each model that plays a role, for each wording of it
+    that was played, over the episodes of all line-ups.
     """
     estimates = {}
     for index, pool in enumerate(experiment.pools):
         policy = pool.players[0].host
         if policy is None or not policy.role:
             continue
-        number = len(wordings(policy.role, cast(Any, experiment.env).game))
+        of_role = wordings(policy.role, cast(Any, experiment.env).game)
+        played = min(len(of_role), experiment.episodes)
         means = [
             part.returns[:, np.array(part.lineup) == index].mean(axis=1)
             for part in parts
             if index in part.lineup
         ]
         estimates[pool.name] = tuple(
-            estimate(np.concatenate([of_part[wording::number] for of_part in means]))
-            for wording in range(number)
+            estimate(np.concatenate([of_part[wording :: len(of_role)] for of_part in means]))
+            for wording in range(played)
         )
     return estimates
 

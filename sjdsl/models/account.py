@@ -5,10 +5,10 @@ from collections import defaultdict
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass
 
+from sjdsl.models.asking import PARALLEL, Question
 from sjdsl.models.errors import LimitReached, ModelError
 from sjdsl.models.files import Model
 from sjdsl.models.policy import Answer, HostPolicy, Message, Reply
-from sjdsl.models.seats import PARALLEL, Question
 
 CHARACTERS_OF_A_TOKEN = 3  # about; less than in English prose, as windows are signs
 LEAST_CHARACTERS_OF_A_TOKEN = 2  # for the most that a call may cost

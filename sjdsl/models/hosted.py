@@ -8,8 +8,9 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 
+from sjdsl.models.asking import PARALLEL, Ask, ask_policy
 from sjdsl.models.policy import HostPolicy
-from sjdsl.models.seats import PARALLEL, Ask, Seats, ask_policy
+from sjdsl.models.seats import Seats
 from sjdsl.runtime.policy import MemoryPolicy, Policy, compiled_actions, with_memory
 
 

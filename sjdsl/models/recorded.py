@@ -10,9 +10,9 @@ from typing import Any, Literal
 from pydantic import TypeAdapter, ValidationError
 
 from sjdsl.files import naming, open_in_place, read_lines
+from sjdsl.models.asking import Kind, Question
 from sjdsl.models.errors import ModelError
 from sjdsl.models.policy import Message, Reply
-from sjdsl.models.seats import Kind, Question
 
 FOLDER = "talks"
 

@@ -1,15 +1,15 @@
-"""Who is asked in words: what each of these agents has done, earned and noted, in all episodes that
-are played side by side, and the questions of a step."""
+"""What each agent that is asked in words knows, in all episodes that are played side by side, and
+the questions of a step."""
 
-from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
-from multiprocessing.pool import ThreadPool
-from typing import Any, Literal
+from itertools import compress
+from typing import Any
 
 import numpy as np
 
+from sjdsl.models.asking import PARALLEL, Ask, Asker, Question, ask_policy
 from sjdsl.models.errors import ModelError
 from sjdsl.models.ledger import Ledger
 from sjdsl.models.notebook import REVISE, edited
@@ -18,33 +18,6 @@ from sjdsl.models.roles import wordings
 from sjdsl.told import Past, Window, message, told
 from sjdsl.told.legal import end_of_step
 from sjdsl.told.message import own_past
-
-Kind = Literal["move", "notes"]
-UNASKED = -1  # the action of an agent that isn't asked
-PARALLEL = 16  # calls at once
-MOST_INVALID = 20  # replies in a row that can't be used, of one policy
-
-
-@dataclass(frozen=True)
-class Question:
-    """A message to one agent. kind: whether it is asked for an action or for its notes."""
-
-    episode: int
-    agent: int
-    step: int
-    trial: int
-    kind: Kind
-    policy: HostPolicy
-    message: Message
-
-
-Ask = Callable[[Question], Reply]
-
-
-def ask_policy(question: Question) -> Reply:
-    """Returns the reply of the policy that is asked."""
-    ask = question.policy.revise if question.kind == "notes" else question.policy.decide
-    return ask(question.agent, question.message)
 
 
 def check_playable(env: Any) -> None:
@@ -67,6 +40,7 @@ class _Seat:
     ledger: Ledger = field(default_factory=Ledger)
     reply: Reply = field(default_factory=lambda: Reply(STAY))
     deeds: dict[str, str] = field(default_factory=dict)
+    trial: int = 0
 
     def own(self) -> tuple[Sequence[Past], Sequence[str], Sequence[str]]:
         """Returns what its messages say of its past, its notes and its ledger."""
@@ -81,6 +55,12 @@ class _Seat:
             self.notes, problem = edited(self.notes, reply.note)
             reply = replace(reply, problem=reply.problem or problem)
         self.reply = reply
+
+    def learn(self, reward: float) -> None:
+        """Adds what its action has paid to its past and its ledger."""
+        action = self.reply.action
+        self.ledger.add(self.deeds.get(action, action), reward)
+        self.past.append(Past(action, reward, self.reply.problem))
 
 
 class Seats:
@@ -105,24 +85,17 @@ class Seats:
           ModelError: the game doesn't say what agents are told, or has no action `stay`.
         """
         check_playable(env)
-        self._ask = ask
-        self._pool = ThreadPool(parallel)
+        self._asker = Asker(ask, parallel)
         self._window = Window(env.game, env.token_planes)
         self._actions = tuple(env.action_names)
-        self._num_agents = env.num_agents
         self._step = 0
-        self._trials = [0] * len(hosts)
-        self._invalid_in_a_row: Counter[int] = Counter()
-        self._known: set[int] = set()  # who has answered, by `id`
         text = cache(partial(told, env))
         self._seats: dict[tuple[int, int], _Seat] = {}
         for episode, of_episode in enumerate(hosts):
             for agent, policy in sorted(of_episode.items()):
                 words = wordings(policy.role, env.game)
                 role = words[episode % len(words)]
-                system = text(agent, role, policy.notebook)
-                self._seats[episode, agent] = _Seat(policy, system)
-        self._num_episodes = len(hosts)
+                self._seats[episode, agent] = _Seat(policy, text(agent, role, policy.notebook))
 
     def __enter__(self) -> "Seats":
         return self
@@ -132,7 +105,7 @@ class Seats:
 
     def close(self) -> None:
         """Ends the threads; calls in flight aren't waited for."""
-        self._pool.terminate()
+        self._asker.close()
 
     def choose(self, observation: np.ndarray, allowed: np.ndarray, over: np.ndarray) -> np.ndarray:
         """Asks all agents of the episodes that aren't over.
@@ -143,23 +116,23 @@ class Seats:
         Returns:
           `[E, N]` int32 actions, -1 for who isn't asked.
         """
-        questions = {}
+        questions = []
         for place, seat in self._running(over):
             seen = observation[place]
-            names = self._legal(allowed[place])
+            names = tuple(compress(self._actions, allowed[place]))
             seat.deeds = {name: end_of_step(name, self._window, seen) or name for name in names}
             if len(names) == 1:
                 seat.reply = Reply(names[0])
                 continue
-            trial = self._trials[place[0]]
-            text = message(self._window, seen, allowed[place], *seat.own(), trial)
-            questions[place] = self._question(place, "move", text, names)
-        for place, reply in self._replies(questions):
-            if reply.action not in questions[place].message.allowed:
+            text = message(self._window, seen, allowed[place], *seat.own(), seat.trial)
+            asked = Message(seat.system, text, self._actions, names)
+            questions.append(Question(*place, self._step, seat.trial, "move", seat.policy, asked))
+        for question, reply in self._asker.replies(questions):
+            if reply.action not in question.message.allowed:
                 problem = reply.problem or f"{reply.action} was not allowed"
                 reply = replace(reply, action=STAY, problem=problem, is_valid=False)
-            self._seats[place].take(reply)
-        actions = np.full((self._num_episodes, self._num_agents), UNASKED, np.int32)
+            self._seats[question.episode, question.agent].take(reply)
+        actions = np.full(observation.shape[:2], -1, np.int32)
         for place, seat in self._running(over):
             actions[place] = self._actions.index(seat.reply.action)
         return actions
@@ -170,59 +143,21 @@ class Seats:
         Args:
           reward: `[E, N]` float; trial_ended: `[E]` bool; over: `[E]` bool, after the step.
         """
-        questions = {}
         for place, seat in self._seats.items():
-            action = seat.reply.action
-            amount = float(reward[place])
-            seat.ledger.add(seat.deeds.get(action, action), amount)
-            seat.past.append(Past(action, amount, seat.reply.problem))
+            seat.learn(float(reward[place]))
+        questions = []
         for place, seat in self._running(over):
             if trial_ended[place[0]] and seat.policy.notebook:
                 text = "\n\n".join([*own_past(*seat.own()), REVISE]) + "\n"
-                questions[place] = self._question(place, "notes", text, ())
-        for place, reply in self._replies(questions):
-            self._seats[place].take(reply)
+                asked = Message(seat.system, text, self._actions, ())
+                questions.append(
+                    Question(*place, self._step, seat.trial, "notes", seat.policy, asked)
+                )
+        for question, reply in self._asker.replies(questions):
+            self._seats[question.episode, question.agent].take(reply)
         self._step += 1
-        for episode in np.flatnonzero(trial_ended):
-            self._trials[episode] += 1
+        for (episode, _), seat in self._seats.items():
+            seat.trial += int(trial_ended[episode])
 
     def _running(self, over: np.ndarray) -> Iterator[tuple[tuple[int, int], _Seat]]:
         return ((place, seat) for place, seat in self._seats.items() if not over[place[0]])
-
-    def _legal(self, allowed: np.ndarray) -> tuple[str, ...]:
-        return tuple(name for name, may in zip(self._actions, allowed, strict=True) if may)
-
-    def _question(
-        self, place: tuple[int, int], kind: Kind, text: str, allowed: tuple[str, ...]
-    ) -> Question:
-        seat = self._seats[place]
-        asked = Message(seat.system, text, self._actions, allowed)
-        trial = self._trials[place[0]]
-        return Question(*place, self._step, trial, kind, seat.policy, asked)
-
-    def _replies(
-        self, questions: Mapping[tuple[int, int], Question]
-    ) -> Iterator[tuple[tuple[int, int], Reply]]:
-        """Yields the replies to questions, which are asked side by side.
-
-        The first question to a policy is asked alone, so that a wrong key costs one call.
-        """
-        ready = {}
-        for place, question in questions.items():
-            if id(question.policy) not in self._known:
-                ready[place] = self._ask(question)
-                self._known.add(id(question.policy))
-        waiting = [place for place in questions if place not in ready]
-        answers = self._pool.imap(self._ask, [questions[place] for place in waiting])
-        ready |= zip(waiting, answers, strict=True)
-        for place in questions:
-            policy = id(questions[place].policy)
-            is_valid = ready[place].is_valid
-            self._invalid_in_a_row[policy] = 0 if is_valid else self._invalid_in_a_row[policy] + 1
-            if self._invalid_in_a_row[policy] == MOST_INVALID:
-                raise ModelError(
-                    f"{MOST_INVALID} replies in a row could not be used, the last one because "
-                    f"{ready[place].problem}; look at the replies, and at `schema` and "
-                    "`max_tokens` of the model"
-                )
-            yield place, ready[place]

@@ -15,9 +15,9 @@ from filelock import FileLock, Timeout
 from sjdsl.files import write_whole
 from sjdsl.models import recorded
 from sjdsl.models.account import Account, Limits, dollars_of
+from sjdsl.models.asking import Ask, Question, ask_policy
 from sjdsl.models.errors import ModelError
 from sjdsl.models.policy import Reply
-from sjdsl.models.seats import Ask, Question, ask_policy
 
 
 class Talks:

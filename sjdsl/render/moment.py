@@ -158,7 +158,7 @@ def snapshot_of(game: ir.Game, world: World, returns: Sequence[float] | np.ndarr
     row, col = _rows_and_columns(world.position)
     held = np.zeros(len(world.position), bool)
     if game.agents.forbids:
-        held = np.sum(action_mask(game, world), axis=1) == 1
+        held = np.array([sum(allowed) == 1 for allowed in action_mask(game, world)])
     marks = {}
     for phase in marking_phases(game):
         cells = [(row, col) for name, row, col in world.marks if name == phase.name]

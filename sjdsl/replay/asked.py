@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from sjdsl.models.asking import Question
 from sjdsl.models.errors import ModelError
 from sjdsl.models.files import find_model, is_model_name
 from sjdsl.models.policy import Reply
 from sjdsl.models.recorded import FOLDER, check_request, file_of, read_talks, reasons
-from sjdsl.models.seats import Question, Seats
+from sjdsl.models.seats import Seats
 from sjdsl.replay.recording import Recording, RecordingError, read_recording
 
 if TYPE_CHECKING:

@@ -372,7 +372,8 @@ class Bench:
 
     def _record(self) -> Answer:
         """Returns the episode as a file for `sjdsl replay`, and a name for it."""
-        recording = recording_of(self.episode, self.opened, self._names)
+        why = None if self._players is None else self._players.reasons(self.episode)
+        recording = recording_of(self.episode, self.opened, self._names, why)
         return {"recording": recording_text(recording), "name": f"{self.opened.game.name}.json"}
 
     # ---- checks

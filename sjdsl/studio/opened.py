@@ -1,7 +1,7 @@
 """A game that is open: its checked rules with the chosen variants and the params that are set."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from sjdsl.compiler import Build, ast, build_composition, ir
@@ -11,6 +11,7 @@ from sjdsl.compiler.elaborate import Overrides
 from sjdsl.interpreter.numbers import real
 from sjdsl.interpreter.state import Value
 from sjdsl.library.parameters import param_values, split_sizes
+from sjdsl.library.tasks import with_tasks
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class Opened:
 def open_text(
     source: Source, variants: tuple[str, ...], agents: int | None, params: Mapping[str, Any]
 ) -> Opened:
-    """Returns the game of a text.
+    """Returns the game of a text, with the tasks that `sjdsl.make` plays by default.
 
     Args:
       agents: how many, None for as many as the file says.
@@ -57,6 +58,7 @@ def open_text(
     fitting = {name: value for name, value in params.items() if name in known}
     sizes, candidates = split_sizes(*names, fitting)
     build = build_composition(composition, Overrides(sizes, agents))
+    build = replace(build, game=with_tasks(build.game))
     accepted: dict[str, Any] = {}
     for name, value in candidates.items():
         try:

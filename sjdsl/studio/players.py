@@ -17,6 +17,7 @@ from sjdsl.interpreter.observe import observe
 from sjdsl.interpreter.state import Outcome
 from sjdsl.library.factory import environment_of
 from sjdsl.models import ModelError
+from sjdsl.models.reasons import Reasons
 from sjdsl.runtime.episode_keys import EpisodeKeys
 from sjdsl.runtime.policy import compiled_actions, with_memory
 from sjdsl.studio.episode import Episode
@@ -41,6 +42,7 @@ class Players:
         self._opened: Opened | None = None  # the game that the policies are loaded for
         self._moments: list[Moment] = []  # of the episode that they remember
         self._memories: list[Any] = []  # at each of its moments
+        self._reasons = Reasons()  # in it
 
     def step(self, episode: Episode, opened: Opened, driven: Mapping[int, int]) -> None:
         """Takes a step of an episode from the moment that is shown.
@@ -59,6 +61,7 @@ class Players:
             if episode.moments is not self._moments:
                 self._moments = episode.moments
                 self._memories = [self._policy.start]
+                self._reasons.clear()
             is_last = episode.at == len(episode.moments) - 1
             if not self._policy.traced and not is_last:
                 raise CannotPlay(
@@ -86,6 +89,12 @@ class Players:
         except CompileError as error:
             raise CannotPlay(error.diagnostics[0].message) from None
 
+    def reasons(self, episode: Episode) -> list[list[str]] | None:
+        """Returns why agents did what they did in an episode, `[T][N]`; None if nobody was asked."""
+        if episode.moments is not self._moments:
+            return None
+        return self._reasons.table(len(episode.moments) - 1, episode.game.agents.number)
+
     def _check_driven(self, game: ir.Game, driven: Mapping[int, int]) -> None:
         """Raises CannotPlay unless the person's agent is driven, and no other."""
         try:
@@ -108,7 +117,7 @@ class Players:
         self._opened = None
         self._env = environment_of(opened.build, opened.values)
         self._blank = jax.device_get(self._env.module.initial_state())
-        self._policy = with_memory(seated_policy(self._names, self._env))
+        self._policy = with_memory(seated_policy(self._names, self._env, ask=self._reasons.ask))
         self._act, self._after_step = compiled_actions(self._env, self._policy)
         self._opened = opened
 

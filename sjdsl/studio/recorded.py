@@ -17,10 +17,15 @@ class CannotRecord(Exception):
     """No file can say how the episode was played; the message says what to change."""
 
 
-def recording_of(episode: Episode, opened: Opened, players: Sequence[str]) -> Recording:
+def recording_of(
+    episode: Episode,
+    opened: Opened,
+    players: Sequence[str],
+    why: list[list[str]] | None = None,
+) -> Recording:
     """Returns an episode as recorded. Raises CannotRecord.
 
-    players: who played each agent; empty if that isn't known.
+    players: who played each agent; empty if that isn't known. why: their reasons, if they gave any.
     """
     if episode.is_put or episode.scenario is not None:
         raise CannotRecord(
@@ -61,4 +66,5 @@ def recording_of(episode: Episode, opened: Opened, players: Sequence[str]) -> Re
         actions=[list(moment.actions) for moment in episode.moments[1:]],
         returns=episode.returns[-1],
         players=list(players) or None,
+        why=why,
     )

@@ -7,6 +7,7 @@ import asyncio
 import contextlib
 import json
 from collections.abc import Callable, Coroutine
+from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -53,18 +54,28 @@ HEADERS = {
 }
 
 
-def make_app(
-    folder: Path, access: Access, opened: str | None = None, seats: Seats | None = None
-) -> Starlette:
-    """Returns the server of a folder.
+@dataclass(frozen=True)
+class FirstGame:
+    """The game that the page opens first.
 
-    opened: the path of the game that the page opens first; seats: who plays it.
+    path: in the page, empty without one; variant: `a+b`, or empty; agents: how many, None for as
+    many as the file says. Both hold whenever the page opens this game.
     """
+
+    path: str = ""
+    variant: str = ""
+    agents: int | None = None
+
+
+def make_app(
+    folder: Path, access: Access, first: FirstGame | None = None, seats: Seats | None = None
+) -> Starlette:
+    """Returns the server of a folder. seats: who plays the game that the page opens first."""
     root = folder.resolve()
     answer_files = _make_file_handler(Folder(root))
     spares = Spares(root, seats=seats)
     routes = [
-        Route("/", _make_page_handler(opened)),
+        Route("/", _make_page_handler(first or FirstGame())),
         Route("/assets/{name}", _answer_asset),
         Route("/assets/thumbnails/{name}", _answer_thumbnail),
         Route("/games", answer_files),
@@ -107,12 +118,12 @@ class Guard:
             await PlainTextResponse(reason + "\n", 403)(scope, receive, send)
 
 
-def _make_page_handler(opened: str | None) -> Callable[[Request], Response]:
+def _make_page_handler(first: FirstGame) -> Callable[[Request], Response]:
     """Returns what answers a request for the page, which contains the token of the request."""
     environment = jinja2.Environment(undefined=jinja2.StrictUndefined, autoescape=True)
     html = files("sjdsl.studio").joinpath("page/studio.html").read_text(encoding="utf-8")
     page = environment.from_string(html)
-    variables = {"opened": opened or "", "patterns": json.dumps(patterns())}
+    variables = {"first": first, "patterns": json.dumps(patterns())}
     return lambda request: HTMLResponse(
         page.render(token=request.query_params["token"], **variables), headers=HEADERS
     )

@@ -116,6 +116,12 @@ def test_a_mistake_is_seen_and_mended(playground: Page) -> None:
     expect(part(playground, "verdict")).to_have_text("", timeout=30_000)
 
 
+def test_it_offers_nobody_who_would_need_a_seat(playground: Page) -> None:
+    names = part(playground, "others").locator("option")
+    expect(names.first).to_have_attribute("value", "random")
+    expect(part(playground, "others").locator('[value="RUN@best"]')).to_have_count(0)
+
+
 def test_a_copy_is_kept_and_can_be_downloaded(playground: Page) -> None:
     open_game(playground, "example:coins.sj")
     expect(part(playground, "title")).to_have_text("Coins", timeout=LOADED)

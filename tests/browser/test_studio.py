@@ -2,9 +2,10 @@
 
 import json
 import re
+from pathlib import Path
 
 import pytest
-from playwright.sync_api import Page, WebSocketRoute, expect
+from playwright.sync_api import Browser, Page, WebSocketRoute, expect
 
 from tests.browser.studio_page import (
     GAME,
@@ -185,6 +186,33 @@ def test_a_person_plays_from_a_seat(opened: Page) -> None:
         part(opened, "record").click()
     recorded = json.loads(download.value.path().read_text())
     assert (recorded["players"], recorded["actions"]) == (["stay", "you"], [[2, 0]])
+
+
+def test_the_command_says_variant_and_number_of_agents(tmp_path: Path, browser: Browser) -> None:
+    """They hold whenever its game is opened, and in no other."""
+    text = GAME.replace("  param fine", "  size crew : count = 2 in 1 .. 3\n  param fine")
+    text = text.replace("agents 2", "agents crew")
+    text = text.replace("episode 50", "param length : steps = 50\n  episode length")
+    variants = "  variant dear { set fine = 2 }\n  variant short { set length = 9 }\n"
+    text = text.replace("  policy", f"{variants}  policy")
+    for name in ("yard.sj", "other.sj"):
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    options = ("--variant", "dear+short", "--agents", "3", "--slots", "stay,file,you")
+    studio = Studio(tmp_path, options=options)
+    page = browser.new_page()
+    page.goto(studio.address)
+    names = part(page, "agents").locator("td:first-child")
+    expect(names).to_have_text(["0 stay", "1 idler", "2 you"], timeout=60_000)
+    expect(part(page, "variant")).to_have_value("dear+short")
+    expect(part(page, "crew")).to_have_value("3")
+    open_game(page, "other.sj")
+    expect(names).to_have_text(["0", "1"], timeout=60_000)
+    expect(part(page, "variant")).to_have_value("")
+    open_game(page, "yard.sj")
+    expect(names).to_have_text(["0 stay", "1 idler", "2 you"], timeout=60_000)
+    expect(part(page, "variant")).to_have_value("dear+short")
+    page.close()
+    studio.stop()
 
 
 def test_a_trained_agent_is_not_offered_without_a_seat(opened: Page) -> None:

@@ -15,7 +15,9 @@ from command_line import Sjdsl
 from sjdsl.replay import Dataset, load_recording
 from tests.models.server import Server, serving
 
-MATRIX = Path(__file__).parents[1] / "experiments/games/matrix_game.sj"
+GAMES = Path(__file__).parents[1] / "experiments/games"
+MATRIX = GAMES / "matrix_game.sj"
+VISITORS = GAMES / "visitors.sj"
 KEY = "sk-another-secret"
 ROLES = ("--cooperators", "models.toml:luna+cooperator", "--defectors", "models.toml:luna+defector")
 SCHELLING = ("schelling", str(MATRIX), *ROLES, "--episodes", "2", "-o", "out")
@@ -99,6 +101,81 @@ def test_episodes_of_an_experiment_are_replayed(folder: Path, sjdsl: Sjdsl) -> N
     assert "has 3 finished ones" in sjdsl(*replay, "--episode", "3").text
 
 
+def test_scenarios_by_the_wording_of_a_role(folder: Path, sjdsl: Sjdsl, server: Server) -> None:
+    """Focal agents keep in the first wording and give in the second: alone each then earns 2."""
+    by_wording = {"You care about your own reward only": "keep", "your own part": "stay"}
+
+    def reply(body: dict[str, Any]) -> str:
+        system = body["messages"][0]["content"]
+        (action,) = [action for words, action in by_wording.items() if words in system]
+        return json.dumps({"why": "", "goal": "", "note": {"op": "none"}, "action": action})
+
+    server.reply = reply
+    focal = ("evaluate", "models.toml:luna+defector", "--game", str(VISITORS))
+    shown = sjdsl(*focal, "--scenario", "alone,visitor", "--episodes", "3", "-o", "out")
+    assert shown.status == 0, shown.text
+    earned = "luna+defector in alone: return of an agent by wording of its role: 0, 2\n"
+    assert earned in shown.out
+    assert "in visitor: return of an agent by wording of its role: 0, -0.6667\n" in shown.out
+    stored = json.loads((folder / "out/scenarios.json").read_text())["scenarios"]
+    assert [figure["mean"] for figure in stored["alone"]["wordings"]] == [0, 2]
+    assert stored["alone"]["wordings"][0] == {"mean": 0, "low": 0, "high": 0}
+    assert [figure["mean"] for figure in stored["visitor"]["wordings"]] == [
+        0,
+        pytest.approx(-2 / 3),
+    ]
+    one = sjdsl(*focal, "--scenario", "alone", "--episodes", "1", "-o", "one")
+    assert "by wording of its role: 0\n" in one.out, "the second wording isn't played"
+
+
+@pytest.mark.parametrize(
+    ("command", "results", "model", "most"),
+    [
+        # two slots of two move on, and one is asked, in each of four steps
+        (
+            ("crossplay", MATRIX, "--slots", "models.toml:luna+defector,random", "--rotate"),
+            "out",
+            "luna+defector",
+            2 * 4,
+        ),
+        # three focal agents, and one, in each of two steps
+        (
+            ("evaluate", "models.toml:luna", "--game", VISITORS, "--scenario", "alone,visitor"),
+            "out/scenarios",
+            "luna",
+            2 * 2 * (3 + 1),
+        ),
+    ],
+)
+def test_how_far_it_is(
+    sjdsl: Sjdsl,
+    server: Server,
+    command: tuple[str | Path, ...],
+    results: str,
+    model: str,
+    most: int,
+) -> None:
+    """Before it has begun, where it stopped, and at its end; and of no other experiment."""
+    command = (*command, "--episodes", "2", "-o", "out")
+    server.reply = lambda _: json.dumps({"why": "", "goal": "", "action": "stay"})
+    assert sjdsl(*command, "--status").out == f"{results}: 0 calls, of at most {most}\n"
+    assert sjdsl(*command, "--calls", "5").status == 3
+    stopped = sjdsl(*command, "--status").out.splitlines()
+    assert stopped[0] == f"{results}: 5 calls, of at most {most}"
+    (line,) = stopped[1:]
+    assert line.startswith(f"  {model}, trial 0: 5 calls, 0 of them with replies that could not")
+    assert "500 tokens in (300 cached), 50 out, $0.0007" in line
+    assert len(server.requests) == 5
+    assert sjdsl(*command).status == 0
+    assert sjdsl(*command, "--status").out.startswith(f"{results}: {most} calls, of at most {most}")
+    assert len(server.requests) == most
+    other = sjdsl(*command, "--seed", "1", "--status")
+    assert (other.status, "holds another experiment: seed 0 there, 1 here" in other.err) == (
+        1,
+        True,
+    )
+
+
 def test_a_dry_run_asks_nobody(folder: Path, sjdsl: Sjdsl, server: Server) -> None:
     shown = sjdsl(*SCHELLING, "--dry-run")
     assert shown.status == 0
@@ -107,6 +184,8 @@ def test_a_dry_run_asks_nobody(folder: Path, sjdsl: Sjdsl, server: Server) -> No
     assert not (folder / "out").exists()
     refused = sjdsl("crossplay", str(MATRIX), "--slots", "stay,stay", "--dry-run")
     assert "--dry-run and --status are for language models, and none plays" in refused.text
+    refused = sjdsl("evaluate", "stay", "--game", str(MATRIX), "--status")
+    assert "--dry-run and --status are for --scenario" in refused.text
 
 
 def test_it_stops_and_goes_on(sjdsl: Sjdsl, server: Server) -> None:
@@ -178,15 +257,30 @@ def test_a_person_plays_among_models(
     recording = load_recording(folder / "played.json", 0)
     assert recording.returns == [0, 20]
     assert recording.players == ["models.toml:luna+cooperator", "you"]
+    assert recording.why == [["my part", ""]] * 4
+    assert "my part" not in shown.out, "the person doesn't read the thoughts of others"
     replayed = sjdsl("replay", "played.json")
     assert replayed.status == 0
-    assert "0 models.toml:luna+cooperator" in replayed.out
+    assert replayed.out.count("  0 models.toml:luna+cooperator: my part\n") == 4
 
     monkeypatch.setattr("sys.stdin", io.StringIO("stay\n"))
     shown = sjdsl("play", str(MATRIX), "--others", "models.toml:luna+defector", "--steps", "1")
     assert shown.status == 0, shown.text
     assert len(server.requests) == 5
     assert "1 models.toml:luna+defector" in shown.out
+    (folder / "own.py").write_text(
+        "from sjdsl.models import HostPolicy, Reply\n"
+        "class Betrays(HostPolicy):\n"
+        "    def decide(self, agent, message):\n"
+        "        return Reply('betray', why=f'as {agent}')\n"
+        "betrays = Betrays()\n"
+    )
+    monkeypatch.setattr("sys.stdin", io.StringIO("stay\n"))
+    others = ("--others", "own.py:betrays", "--record", "own.json")
+    assert sjdsl("play", str(MATRIX), *others).status == 0
+    recording = load_recording(folder / "own.json", 0)
+    assert (recording.actions, recording.why) == ([[0, 1]], [["", "as 1"]])
+    assert recording.players == ["you", "own.py:betrays"]
     for slots_text, problem in (
         ("you", "has 2 agents, but --slots names 1"),
         ("you,you", "`you` can play one agent"),

@@ -71,3 +71,4 @@ def test_a_policy_of_the_file(sjdsl: Sjdsl, folder: Path) -> None:
     stored = json.loads((folder / "grove_eater_scenarios/scenarios.json").read_text())
     assert (stored["focal_policy"], stored["game"]["params"]["length"]) == ("eater", 4)
     assert stored["scenarios"]["pair"]["score"] == 1.0
+    assert "wordings" not in stored["scenarios"]["pair"]

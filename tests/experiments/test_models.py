@@ -18,10 +18,10 @@ from sjdsl.experiments.lineups import play_key, rotated_orders
 from sjdsl.experiments.summaries import crossplay_text, diagram_text
 from sjdsl.experiments.usage import forecasts
 from sjdsl.models import HostPolicy, LimitReached, Limits, Message, Model, ModelError, Reply, talks
+from sjdsl.models.asking import ask_policy
 from sjdsl.models.files import Price
 from sjdsl.models.hosted import hosted_policy
 from sjdsl.models.policy import Answer
-from sjdsl.models.seats import ask_policy
 from sjdsl.replay import play_asked_episodes, play_episodes
 from sjdsl.trainers import PolicyError, evaluate, find_policy, make_config, make_train
 from sjdsl.trainers.policies.evaluation import make_host_evaluator

@@ -13,10 +13,10 @@ from sjdsl.interpreter.observe import observe
 from sjdsl.interpreter.step import action_mask, reset, step
 from sjdsl.interpreter.threefry import Threefry
 from sjdsl.models import HostPolicy, Message, Model, ModelError, Reply, Seats
+from sjdsl.models.asking import Question, ask_policy
 from sjdsl.models.notebook import edited
 from sjdsl.models.policy import NoteEdit
 from sjdsl.models.roles import wordings
-from sjdsl.models.seats import Question, ask_policy
 from tests.told.corpus import game
 
 FAKE = Model(name="fake", kind="fake")

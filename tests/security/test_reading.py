@@ -117,7 +117,8 @@ def test_the_studio_listens_on_this_machine_alone() -> None:
     with studio._listen(0) as listening:
         assert listening.getsockname()[0] == "127.0.0.1"
     options = {option.name for option in studio.command.params}
-    assert options == {"game", "port", "slots", "allow_code", "browser"}  # none names a host
+    known = {"game", "port", "slots", "variant", "agents", "allow_code", "browser"}
+    assert options == known  # none names a host
 
 
 def test_a_name_that_no_page_can_show_is_refused(

@@ -19,7 +19,7 @@ from sjdsl.compiler.syntax.read import read_source
 from sjdsl.files import write_whole
 from sjdsl.library.games_folder import games_folder
 from sjdsl.studio.access import Access, kept_token
-from sjdsl.studio.server import make_app
+from sjdsl.studio.server import FirstGame, make_app
 
 ACCESS = Access(8123, "secret")
 OWN = {"host": "127.0.0.1:8123"}
@@ -40,7 +40,7 @@ def folder(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def client(folder: Path) -> TestClient:
-    return TestClient(make_app(folder, ACCESS, "yard.sj"), headers=OWN)
+    return TestClient(make_app(folder, ACCESS, FirstGame("yard.sj", "rich+dry", 3)), headers=OWN)
 
 
 def test_the_page_wants_the_token(client: TestClient) -> None:
@@ -48,7 +48,8 @@ def test_the_page_wants_the_token(client: TestClient) -> None:
     assert client.get("/?token=guess").status_code == 403
     page = client.get("/" + TOKEN)
     assert page.status_code == 200
-    assert 'content="yard.sj"' in page.text
+    for name, content in (("opened", "yard.sj"), ("variant", "rich+dry"), ("agents", "3")):
+        assert f'<meta name="{name}" content="{content}">' in page.text
     assert "default-src 'none'" in page.headers["content-security-policy"]
 
 

@@ -4,6 +4,7 @@ import asyncio
 import io
 import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -12,11 +13,17 @@ from sjdsl.cli import run
 from sjdsl.studio.bench import Bench
 from sjdsl.studio.child import Child
 from sjdsl.studio.seats import Seats
+from sjdsl.studio.server import FirstGame
 from tests.experiments.stored_policies import store
 from tests.studio.test_workbench import GAME, ask, opened
 
 SLOTS = ("you", "runs/a", "idler", "random", "models.toml:luna")
 FIVE = GAME.replace("agents 2", "agents 5").replace('"..." }', '"..." "..." }')
+SIZED = (
+    FIVE.replace("  param fine", "  size players : count = 5 in 1 .. 5\n  param fine")
+    .replace("agents 5", "agents players")
+    .replace("  variant", "  policy walker { when agent.bag >= 0 choose forward }\n  variant")
+)
 KEYS = [1, 0, 3, 2, 1, 1]  # what the person does in each step
 
 
@@ -67,9 +74,10 @@ def test_an_episode_is_that_of_the_terminal(folder: Path, monkeypatch: pytest.Mo
     recorded = ask(bench, do="record")
     assert recorded["name"] == "yard.json"
     kept = json.loads(recorded["recording"])
-    same = ("hash", "seed", "actions", "returns", "players")
+    same = ("hash", "seed", "actions", "returns", "players", "why")
     assert [kept[name] for name in same] == [played[name] for name in same]
     assert kept["players"] == list(SLOTS)
+    assert kept["why"] == [["", "", "", "", "by a hash"]] * len(KEYS)
     Path("kept.json").write_text(recorded["recording"])
     assert run(["replay", "kept.json"]) == 0
 
@@ -150,14 +158,73 @@ def test_what_no_file_can_say_is_not_recorded(folder: Path) -> None:
     assert "save the game to record it" in refusal(bench, do="record")
 
 
-@pytest.mark.usefixtures("folder")
+@pytest.fixture
+def pages(folder: Path, monkeypatch: pytest.MonkeyPatch) -> list[tuple[FirstGame | None, Any]]:
+    """What each page would open, and who plays it there, where no server runs."""
+    del folder
+    asked: list[tuple[FirstGame | None, Any]] = []
+
+    def make_app(_folder: Path, _access: Any, first: FirstGame | None, seats: Any) -> None:
+        asked.append((first, seats))
+
+    monkeypatch.setattr("sjdsl.studio.server.make_app", make_app)
+    monkeypatch.setattr("uvicorn.Server.run", lambda _server, sockets: sockets[0].close())
+    return asked
+
+
+def test_the_command_says_variant_and_number_of_agents(
+    pages: list[tuple[FirstGame | None, Any]],
+) -> None:
+    Path("yard.sj").write_text(SIZED)
+    chosen = ("--variant", "poor", "--agents", "4")
+    slots = ("--slots", "you,file,file,models.toml:luna")
+    assert run(["studio", "yard.sj", "--no-browser", "--port", "0", *chosen, *slots]) == 0
+    assert run(["studio", "yard.sj", "--no-browser", "--port", "0", *chosen[:2]]) == 0
+    names = ("you", "walker", "idler", "models.toml:luna")
+    assert pages == [
+        (FirstGame("yard.sj", "poor", 4), Seats("yard.sj", names)),
+        (FirstGame("yard.sj", "poor", None), None),
+    ]
+
+
+@pytest.mark.usefixtures("trained")
+def test_the_command_refuses_a_run_of_another_game(
+    pages: list[tuple[FirstGame | None, Any]], capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("yard.sj").write_text(FIVE.replace("ahead 1, behind 1", "ahead 2, behind 1"))
+    slots = ("--slots", "you,runs/a,runs/a,runs/a,runs/a")
+    assert run(["studio", "yard.sj", "--no-browser", "--port", "0", *slots]) == 1
+    assert "doesn't fit yard: it was trained on yard with 4 actions" in capsys.readouterr().err
+    assert pages == []
+
+
+def test_a_seat_by_file_is_of_the_agents_policy_in_the_file(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As `play` deals them out: to agent 1 the second, to agent 2 the first."""
+    Path("yard.sj").write_text(SIZED)
+    monkeypatch.setattr("sys.stdin", io.StringIO("turn_left\n"))
+    options = ["--slots", "you,file,file", "--agents", "3", "--record", "played.json"]
+    assert run(["play", "yard.sj", *options]) == 0
+    played = json.loads(Path("played.json").read_text())
+    assert played["players"] == ["you", "walker", "idler"]
+    assert played["actions"] == [[0, 1, 2]]
+    bench = Bench(folder, Seats("yard.sj", ("you", "walker", "idler")))
+    opened(bench, SIZED, agents=3)
+    assert play(bench, [0]) == played["actions"]
+
+
+@pytest.mark.usefixtures("pages")
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
         (("yard.sj", "--slots", "you,stay"), "yard has 5 agents, but --slots names 2"),
         (("yard.sj", "--slots", "you,you,stay,stay,stay"), "`you` can play one agent"),
         (("yard.sj", "--slots", "you,idle,stay,stay,stay"), "there is no policy `idle`"),
-        (("--slots", "you,stay"), "name a game before it"),
+        (("--slots", "you,stay"), "name a game before them"),
+        (("--variant", "poor"), "name a game before them"),
+        (("yard.sj", "--variant", "rich"), "no variant `rich`"),
+        (("yard.sj", "--agents", "3"), "`agents` does not name a `size` that says how many"),
     ],
 )
 def test_the_command_refuses_seats_as_play_does(

@@ -6,6 +6,8 @@ from typing import Any
 
 import pytest
 
+from sjdsl.cli import run
+from sjdsl.library.games_folder import find_game
 from sjdsl.studio.bench import Bench
 from sjdsl.studio.requests import READ
 from sjdsl.studio.worker import answer_line
@@ -408,3 +410,26 @@ def test_a_fault_of_our_own_is_told_and_nothing_is_lost(
         answer_line(made, '{"do": "panel", "panel": "state"}')["refused"]
     )
     assert answer_line(made, '{"do": "step"}')["at"] == 2
+
+
+def test_a_game_with_a_split_plays_its_training_tasks(
+    bench: Bench, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As `sjdsl play` does: the orders `our` and `oru` of red are held out."""
+    monkeypatch.chdir(tmp_path)
+    text = find_game("open_harvest").read_text()
+    ask(bench, do="text", version=1, path="example:open_harvest.sj", text=text)
+    red = set()
+    for seed in range(8):
+        ask(bench, do="begin", seed=seed)
+        red.add(bench.episode.now.world.fields["pay_order"][0])
+    assert red <= {"uro", "uor", "ruo", "rou"}
+    for _ in range(3):
+        ask(bench, do="step")
+    kept = json.loads(ask(bench, do="record")["recording"])
+    options = ("--watch", "--seed", "7", "--steps", "3", "--record", "played.json")
+    assert run(["play", "open_harvest", *options]) == 0
+    played = json.loads(Path("played.json").read_text())
+    same = ("hash", "seed", "actions", "returns")
+    assert [kept[name] for name in same] == [played[name] for name in same]
+    assert kept["environment"]["tasks"] == played["environment"]["tasks"] == "training"

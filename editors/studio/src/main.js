@@ -20,7 +20,7 @@ import { ASKED, LASTING, PANELS, fill, working } from "./panels.js";
 import { Problems } from "./problems.js";
 import { keepThumbnail } from "./thumbnails.js";
 import { showTour } from "./tour.js";
-import { ahead } from "./transport.js";
+import { ahead, isServed } from "./transport.js";
 
 const meta = (name) => document.querySelector(`meta[name="${name}"]`).content;
 const files = new Files();
@@ -55,7 +55,13 @@ async function openFile(path) {
   const file = await files.read(path);
   if (file.refused) { say(file.refused); return false; }
   const draft = draftOf(path);
-  Object.assign(open, { path, uri: file.uri, digest: draft?.digest ?? file.digest, saved: file.text, variants: [], agents: null, params: {}, map: draft?.map ?? null });
+  const chosen = (name) => (path === meta("opened") ? meta(name) : ""); // on the command line
+  Object.assign(open, {
+    path, uri: file.uri, digest: draft?.digest ?? file.digest, saved: file.text,
+    variants: chosen("variant") ? chosen("variant").split("+") : [],
+    agents: chosen("agents") ? Number(chosen("agents")) : null,
+    params: {}, map: draft?.map ?? null,
+  });
   find("name").textContent = nameOf(path);
   document.title = `${path} · sjdsl studio`;
   history.replaceState(null, "", `#${encodeURI(path)}`);
@@ -226,7 +232,8 @@ function showGame({ game, pictures }) {
   open.game = game;
   find("title").textContent = game.title;
   const chosen = game.chosen.join("+");
-  options(find("variant"), [["", "as written"], ...game.variants.map(([name]) => [name, name])], chosen);
+  const names = game.variants.map(([name]) => name), several = names.includes(chosen) || !chosen ? [] : [chosen];
+  options(find("variant"), [["", "as written"], ...[...names, ...several].map((name) => [name, name])], chosen);
   find("variant").title = game.variants.find(([name]) => name === chosen)?.[1] ?? "";
   for (const [number, [, title]] of game.variants.entries()) find("variant").options[number + 1].title = title;
   find("variant").disabled = !game.variants.length;
@@ -256,7 +263,8 @@ function showRoles(game) {
     options(find("others"), [["", "as seated"]], "");
   } else {
     if (wasSeated || shown.driven >= game.agents) shown.driven = null;
-    options(find("others"), [...game.policies.map((name) => [name, name]), ["RUN@best", "trained, or a model"]], game.others);
+    const elsewhere = isServed ? [["RUN@best", "trained, or a model"]] : []; // a browser has no JAX: no seats to ask for
+    options(find("others"), [...game.policies.map((name) => [name, name]), ...elsewhere], game.others);
   }
   options(find("driven"), [["", "nobody"], ...Array.from({ length: game.agents }, (_, agent) => [String(agent), `agent ${agent}`])], String(shown.driven ?? ""));
   showKeys();
