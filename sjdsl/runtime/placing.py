@@ -528,6 +528,8 @@ def _paired_in_turn(reached: Array, ranks: Array, num_right: int, alike: bool) -
 def outranking(place: Array, rank: Array, best: Array) -> Array:
     """Returns the ranks that are greater than those of other statements for their place, else 0.
 
+    Of those who write one place in a phase, whoever has drawn the greatest rank writes it.
+
     Args:
       place: `[M]` int32.
       rank: `[M]` uint32.

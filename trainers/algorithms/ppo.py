@@ -336,7 +336,7 @@ def take_epochs(
         minibatch = take_minibatch(batch, indices, agents, networks)
 
         def with_preferences(*seen: Any) -> tuple[Memory, Array, Array]:
-            """Reads the minibatch as the agents did that acted."""
+            """Reads the minibatch as when acting: with the environments' preferences, if any."""
             memory, logits, values = apply(*seen, agents)
             if minibatch.preferences is not None:
                 logits = logits + minibatch.preferences[:, :, None]

@@ -13,7 +13,7 @@ from sjdsl.compiler.elaborate.observed_paths import (
     Key,
     Seen,
     What,
-    fields_of_a_kind,
+    help_with_a_kind,
     observer_scope,
     resolve,
 )
@@ -314,7 +314,7 @@ def _look(show: ast.Show, kind: str, scope: Scope) -> ir.Observable:
     if not show.labels or show.condition is not None:
         wanted = f"what cells of `{kind}` look like"
         actual = "a condition for the whole kind" if show.labels else "a kind without it"
-        help_ = fields_of_a_kind(kind, "show", scope.static)
+        help_ = help_with_a_kind(kind, "show", scope.static)
         raise scope.expected(show.span, wanted, actual, help_)
     observer = observer_scope("cell", kind, show.what.name.text, scope)
     labels = _labels(show, "cell", observer)
@@ -348,7 +348,7 @@ def _hide(hide: ast.Hide, seen: dict[Key, ir.Observable], scope: Scope) -> None:
     for target in resolve(hide, scope):
         what, kind, name = target.key
         if what == "cell" and not name:
-            help_ = fields_of_a_kind(kind, "hide", scope.static)
+            help_ = help_with_a_kind(kind, "hide", scope.static)
             wanted = "something that is seen of cells"
             raise scope.expected(hide.what.span, wanted, "a kind", help_)
         if hide.condition is None:

@@ -251,7 +251,7 @@ def _without_field(observable: ast.Show | ast.Hide, scope: Scope) -> Poisoned:
             help_ = f"say which field: {' or '.join(fields[:3])}"
         return scope.misused(name, WHO[name.text], "a field", help_)
     if name.text in static.groups:
-        help_ = fields_of_a_kind(static.groups[name.text][0], verb, static)
+        help_ = help_with_a_kind(static.groups[name.text][0], verb, static)
         return scope.misused(name, "a group of kinds", "a field", help_)
     owners = [kind for kind, fields in static.kinds.items() if name.text in fields]
     if name.text in static.agent_fields:
@@ -268,8 +268,12 @@ def _without_field(observable: ast.Show | ast.Hide, scope: Scope) -> Poisoned:
     return scope.problems.unknown(name, known, described, help_)
 
 
-def fields_of_a_kind(kind: str, verb: str, static: Static) -> str:
-    """Returns what can be shown or hidden of cells of a kind."""
+def help_with_a_kind(kind: str, verb: str, static: Static) -> str:
+    """Returns what to write to show or hide something of the cells of a kind.
+
+    That is the first of its fields that is a word, or that it looks like a kind without such
+    fields.
+    """
     word_fields = {
         name: [f.name for f in fields.values() if f.type.kind == "word"]
         for name, fields in static.kinds.items()
