@@ -182,6 +182,12 @@ def as_compiled(request: pytest.FixtureRequest) -> Iterator[None]:
 
 
 @pytest.fixture
+def no_code_allowed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Forgets the code that other tests have allowed in this process."""
+    monkeypatch.setattr("sjdsl.trainers.settings.extensions._ALLOWED", set())
+
+
+@pytest.fixture
 def strict_jax() -> Iterator[None]:
     """Makes JAX raise where a typed key is consumed twice, where dtypes differ and where ranks differ."""
     with (

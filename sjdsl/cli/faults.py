@@ -7,6 +7,7 @@ import sys
 import click
 
 from sjdsl.extras import MissingExtra
+from sjdsl.printable import printable
 from sjdsl.termination import TERMINATED, Terminated
 
 INTERRUPTED = 130  # the exit status of a command that Ctrl-C ended
@@ -59,12 +60,5 @@ def report_fault(error: Exception, command: str) -> int:
 
 
 def _echo(message: str) -> None:
-    """Prints a message with escape codes for unprintable characters.
-
-    In text that a message quotes from a file, such characters might control the terminal.
-    """
-    printable = "".join(
-        character if character.isprintable() or character == "\n" else ascii(character)[1:-1]
-        for character in message
-    )
-    click.echo(f"error: {printable}", err=True)
+    """Prints a message, which may quote a file."""
+    click.echo(f"error: {printable(message, lines=True)}", err=True)

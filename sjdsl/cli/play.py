@@ -40,6 +40,7 @@ from sjdsl.interpreter.step import reset, step
 from sjdsl.interpreter.threefry import Threefry
 from sjdsl.library.action_names import split_actions
 from sjdsl.models.reasons import Reasons
+from sjdsl.printable import printable
 from sjdsl.render.letters import Letters, board_rows, make_letters
 from sjdsl.render.moment import Moment, moment_of
 from sjdsl.render.readings import agent_readings, join_readings, world_readings
@@ -245,7 +246,7 @@ def moment_lines(
         yield "  " + ", ".join(f"{name} {np.sum(count)}" for name, count in moment.events.items())
     for agent, why in enumerate(moment.why):
         if why:
-            yield f"  {labels[agent]}: {why}"
+            yield f"  {labels[agent]}: {printable(why)}"
     if moment.done:
         yield "  the episode is over"
 

@@ -22,7 +22,7 @@ from sjdsl.cli.folders import require_folder_of, require_unused
 from sjdsl.cli.model_options import Asking, model_options
 from sjdsl.cli.policies import SIDE_BY_SIDE, check_policy, choose_policy, code_option, policy_option
 from sjdsl.cli.stages import LOADING, Say, stages
-from sjdsl.models import Limits, Model, Talks, find_model, is_model_name
+from sjdsl.models import HostPolicy, Limits, Talks
 from sjdsl.models.recorded import reasons
 from sjdsl.replay import DatasetWriter, Episode, Header
 from sjdsl.replay.recording import with_tasks_played
@@ -76,19 +76,19 @@ def command(
     require_unused(path, "recorded episodes")
     require_folder_of(path)
     arguments = options.describe(game)
-    is_asked = is_model_name(policy)
-    if asking.dry_run or asking.status or (not is_asked and asking != Asking(Limits())):
+    host = _host_of(policy)
+    if asking.dry_run or asking.status or (host is None and asking != Asking(Limits())):
         raise click.UsageError(
             "--parallel, --budget and --calls are for language models; for --dry-run and --status "
             "see crossplay"
         )
-    folder = path.with_name(f"{path.stem}_models") if is_asked else None
+    folder = None if host is None else path.with_name(f"{path.stem}_models")
     with stages(LOADING) as say, Talks(folder, asking.limits, say) as talks:
         env = make_environment(arguments)
-        if is_asked:
-            play = partial(_play_asked, find_model(policy), talks)
-        else:
+        if host is None:
             play = partial(_play_compiled, choose_policy(policy, env))
+        else:
+            play = partial(_play_asked, host, talks)
         planes = {
             "onehot": list(env.channel_names),
             "tokens": [plane.name for plane in env.token_planes],
@@ -111,6 +111,15 @@ def command(
     click.echo(summary)
 
 
+def _host_of(policy: str) -> HostPolicy | None:
+    """Returns the policy of this name if it is asked in words; None for every other."""
+    if policy in (*UNTRAINED, SIDE_BY_SIDE):
+        return None
+    from sjdsl.trainers.policies.loading import find_host
+
+    return find_host(policy)
+
+
 def _play_compiled(policy: Any, env: "Environment", header: Header) -> Iterator[Episode]:
     """Yields the episodes of a header under a policy."""
     from sjdsl.replay import play_episodes
@@ -119,16 +128,16 @@ def _play_compiled(policy: Any, env: "Environment", header: Header) -> Iterator[
 
 
 def _play_asked(
-    model: Model, talks: Talks, env: "Environment", header: Header
+    host: HostPolicy, talks: Talks, env: "Environment", header: Header
 ) -> Iterator[Episode]:
-    """Yields the episodes of a header, in which all agents ask a model; calls are recorded."""
+    """Yields the episodes of a header, in which all agents ask a host; calls are recorded."""
     import numpy as np
 
     from sjdsl.models.hosted import hosted_policy
     from sjdsl.replay import play_asked_episodes
     from sjdsl.runtime.policy import mixed_policy
 
-    hosts = dict.fromkeys(range(env.num_agents), model)
+    hosts = dict.fromkeys(range(env.num_agents), host)
     nobody = mixed_policy(env.num_agents, [])
 
     def policy_of(seed: int) -> Any:

@@ -14,6 +14,7 @@ from sjdsl.cli.policies import warnings_as_notes
 from sjdsl.cli.provenance import locate
 from sjdsl.cli.stages import LOADING, stages
 from sjdsl.interpreter.board import board_of
+from sjdsl.printable import printable
 from sjdsl.render.letters import make_letters
 from sjdsl.replay import RecordingError, load_recording
 from sjdsl.replay.asked import calls_of, told_messages
@@ -87,7 +88,7 @@ def command(
                 player = player_of(recording, env)
                 agents = agent or range(env.num_agents)
                 report = "\n".join(told_messages(recording, player, calls, agents))
-                click.echo(report)
+                click.echo(printable(report, lines=True))
                 return
             moments = announced(replayed(recording, env), env, say)
             seats = recording.players or ()

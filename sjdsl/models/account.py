@@ -11,7 +11,7 @@ from sjdsl.models.files import Model
 from sjdsl.models.policy import Answer, HostPolicy, Message, Reply
 
 CHARACTERS_OF_A_TOKEN = 3  # about; less than in English prose, as windows are signs
-LEAST_CHARACTERS_OF_A_TOKEN = 2  # for the most that a call may cost
+LEAST_LETTERS_OF_A_TOKEN = 2  # of ASCII, for the most that a call may cost
 Seat = tuple[str, int, int]  # the part of an experiment, the episode in it, the agent
 REPORTED = 100  # calls between two lines of progress
 
@@ -128,9 +128,9 @@ class Account:
 
     def add(self, seat: Seat, trial: int, policy: HostPolicy, reply: Reply) -> None:
         """Counts a call of which nothing was noted, in one thread. Raises as `count`."""
-        self._check_server_name(name_of(policy), reply.answer or Answer(""))
         self.usage[name_of(policy), policy.role, trial].add(policy, reply)
         self.by_seat[seat].add(policy, reply)
+        self._check_server_name(name_of(policy), reply.answer or Answer(""))
 
     def _pend(self, calls: int, dollars: float) -> None:
         self._calls_pending += calls
@@ -162,9 +162,17 @@ class Account:
             )
 
 
-def tokens(message: Message, characters: int = CHARACTERS_OF_A_TOKEN) -> int:
+def tokens(message: Message) -> int:
     """Returns about how many tokens a message has."""
-    return (len(message.system) + len(message.text)) // characters
+    return (len(message.system) + len(message.text)) // CHARACTERS_OF_A_TOKEN
+
+
+def most_tokens(message: Message) -> int:
+    """Returns how many tokens a message may have: other characters than ASCII may be one a byte."""
+    text = message.system + message.text
+    others = [character for character in text if not character.isascii()]
+    letters = len(text) - len(others)
+    return letters // LEAST_LETTERS_OF_A_TOKEN + len("".join(others).encode())
 
 
 def name_of(policy: HostPolicy) -> str:
@@ -196,5 +204,4 @@ def _most_dollars(question: Question, limits: Limits) -> float:
         raise ModelError(
             f"--budget needs the `price` of {policy.name} in its table; or limit the --calls"
         )
-    most = tokens(question.message, LEAST_CHARACTERS_OF_A_TOKEN)
-    return policy.dollars(most, 0, policy.max_tokens)
+    return policy.dollars(most_tokens(question.message), 0, policy.max_tokens)

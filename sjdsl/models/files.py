@@ -1,5 +1,6 @@
 """Models by name: the tables of a `models.toml`."""
 
+import json
 import os
 import re
 import tomllib
@@ -30,6 +31,8 @@ from sjdsl.models.providers import FakeProvider, LanguagePolicy
 from sjdsl.near_names import meant
 from sjdsl.told.message import HISTORY
 
+# fields of a request that `extra` may not change
+REQUEST = {"model", "messages", "max_tokens", "max_completion_tokens", "n", "stream"}
 LARGEST = 2**20  # bytes of a file of models, and of a key
 STRICT = ConfigDict(extra="forbid")
 VARIABLE = re.compile(r"[A-Z_][A-Z0-9_]*")
@@ -89,6 +92,18 @@ class Model(HostPolicy):
             )
         return key
 
+    @field_validator("extra")
+    @classmethod
+    def _changes_no_price(cls, extra: dict[str, Any]) -> dict[str, Any]:
+        taken = sorted(extra.keys() & REQUEST)
+        if taken:
+            raise ValueError(f"no `{taken[0]}`, which sjdsl sets itself, as a budget depends on it")
+        try:
+            json.dumps(extra)
+        except TypeError as error:
+            raise ValueError(f"what JSON can carry: {error}") from None
+        return extra
+
     @field_validator("url")
     @classmethod
     def _has_no_password(cls, url: str) -> str:
@@ -145,7 +160,13 @@ class Model(HostPolicy):
         return LanguagePolicy(provider, self.notebook)
 
     def _secret(self) -> str:
-        """Returns the key. Raises ModelError if it isn't where it should be."""
+        """Returns the key. Raises ModelError if it isn't where it should be, or can't be sent."""
+        secret = self._read_secret()
+        if not (secret.isascii() and secret.isprintable()):
+            raise ModelError(f"{self.name}: its key has characters that a request can't carry")
+        return secret
+
+    def _read_secret(self) -> str:
         if isinstance(self.key, KeyFile):
             try:
                 return read_bytes(Path(self.key.file).expanduser(), LARGEST).decode().strip()

@@ -43,13 +43,27 @@ class OpenAIProvider:
     @cached_property
     def _client(self) -> "OpenAI":
         with needs("models"):
-            from openai import OpenAI
+            from openai import DefaultHttpxClient, OpenAI
+
+        class PlainClient(OpenAI):
+            """Adds nothing of this machine, such as `OPENAI_ORG_ID`, to a request."""
+
+            @property
+            def default_headers(self) -> dict[str, Any]:
+                """Returns the headers of every request."""
+                return {
+                    "Accept": "application/json",
+                    "Content-Type": "application/json",
+                    "User-Agent": "sjdsl",
+                }
+
         # With `api_key=None` the package would send the key of OpenAI to any server.
-        return OpenAI(
+        return PlainClient(
             api_key=self.key or NO_KEY,
             base_url=self.url,
             timeout=self.timeout,
             max_retries=self.retries,
+            http_client=DefaultHttpxClient(follow_redirects=False),
         )
 
     def complete(self, message: Message, schema: Mapping[str, Any]) -> Answer:

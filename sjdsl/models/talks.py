@@ -82,7 +82,10 @@ class Talks:
     def _answered(self, part: str, question: Question) -> Reply:
         """Returns the recorded reply to a question, or asks and records it."""
         if self.folder is None:
-            return self._asked(part, question)
+            dollars = self.account.admit(question)
+            reply = self._asked(question, dollars)
+            self.account.count(part, question, reply, dollars)
+            return reply
         path = recorded.file_of(self.folder / part, question.episode, question.agent)
         talk = self._recorded.get(path, {}).get((question.step, question.kind))
         if talk is not None:
@@ -90,7 +93,8 @@ class Talks:
             self.account.count(part, question, talk.reply, talk.dollars)
             return talk.reply
         start = time.monotonic()
-        reply = self._asked(part, question)
+        dollars = self.account.admit(question)
+        reply = self._asked(question, dollars)
         talk = recorded.Talk(
             question.step,
             question.trial,
@@ -103,16 +107,14 @@ class Talks:
             dollars_of(question.policy, reply),
         )
         recorded.append_talk(talk, path)
+        self.account.count(part, question, reply, dollars)
         return reply
 
-    def _asked(self, part: str, question: Question) -> Reply:
-        """Asks and counts the call, unless that might pass a limit."""
-        dollars = self.account.admit(question)
+    def _asked(self, question: Question, dollars: float) -> Reply:
+        """Asks; of a call that fails, no dollars are noted any more."""
         try:
             with self._free:
-                reply = ask_policy(question)
+                return ask_policy(question)
         except BaseException:
             self.account.release(dollars)
             raise
-        self.account.count(part, question, reply, dollars)
-        return reply

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import cache
 from itertools import chain
+from types import SimpleNamespace
 from typing import Any
 
 from sjdsl.extras import needs
@@ -63,11 +64,8 @@ def settings_of(row: Any) -> dict[str, Any]:
         "reward": row.reward,
         "network": row.network,
     }
-    unread = {
-        name
-        for name, condition in conditions.items()
-        if condition.setting in values and not condition.holds(values[condition.setting])
-    }
+    config = SimpleNamespace(**values)
+    unread = {name for name, condition in conditions.items() if not condition.holds(config)}
     if "svo_angle" in stored:
         values[ANGLES] = stored["svo_angle"]
     left_out = {*METHOD, *WITHOUT_EFFECT, *unread}

@@ -85,6 +85,7 @@ def test_what_cannot_be_evaluated_is_refused(sjdsl: Sjdsl, folder: Path, file: P
         ), shown.text
 
 
+@pytest.mark.usefixtures("no_code_allowed")
 def test_the_end_names_two_commands_for_the_same_game(sjdsl: Sjdsl, folder: Path) -> None:
     shown = sjdsl("evaluate", "eater", *PLAYED, "--param", "growth[ripe]=0.5", "--agents", "2")
     assert shown.status == 0, shown.text

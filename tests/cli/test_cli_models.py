@@ -305,6 +305,16 @@ def test_models_are_recorded_and_drawn(folder: Path, sjdsl: Sjdsl, server: Serve
     told = sjdsl("replay", "played.npz", "--messages", "--agent", "1").out
     assert told.count("---- to agent 1 before step ") == 4 == told.count("---- to agent ")
     assert sjdsl("replay", "played.npz", "--episode", "1").status == 0
+    (folder / "own.py").write_text(
+        "from sjdsl.models import HostPolicy, Reply\n"
+        "class Betrays(HostPolicy):\n"
+        "    def decide(self, agent, message):\n"
+        "        return Reply('betray', why='so\\nerror: forged\\x1b[2J')\n"
+        "betrays = Betrays()\n"
+    )
+    own = sjdsl("record", str(MATRIX), "--policy", "own.py:betrays", "-o", "own.npz")
+    assert own.status == 0, own.text
+    assert "0 own.py:betrays: so\\nerror: forged\\x1b[2J\n" in sjdsl("replay", "own.npz").out
     drawn = sjdsl("render", str(MATRIX), *names, "--steps", "3", "-o", "film.html")
     assert drawn.status == 0, drawn.text
     assert len(server.requests) == 30

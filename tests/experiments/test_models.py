@@ -18,6 +18,7 @@ from sjdsl.experiments.lineups import play_key, rotated_orders
 from sjdsl.experiments.summaries import crossplay_text, diagram_text
 from sjdsl.experiments.usage import forecasts
 from sjdsl.models import HostPolicy, LimitReached, Limits, Message, Model, ModelError, Reply, talks
+from sjdsl.models.account import most_tokens
 from sjdsl.models.asking import ask_policy
 from sjdsl.models.files import Price
 from sjdsl.models.hosted import hosted_policy
@@ -251,6 +252,11 @@ def test_a_budget_is_kept_before_it_is_passed(tmp_path: Path) -> None:
     priceless = Model(name="m", url="http://localhost/v1", model="m")
     with pytest.raises(ModelError, match="--budget needs the `price` of m"):
         cross_play(matrix_game(), slots=[priceless, "stay"], limits=Limits(budget=1))
+
+
+def test_the_most_tokens_of_a_message_count_other_alphabets_by_the_byte() -> None:
+    assert most_tokens(Message("four", "more", (), ())) == 4
+    assert most_tokens(Message("", "\N{HERB}a b", (), ())) == 4 + 1
 
 
 def test_a_forecast_is_what_happens() -> None:

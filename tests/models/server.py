@@ -25,6 +25,8 @@ class Server:
     model: str = "luna-2026"
     requests: list[dict[str, Any]] = field(default_factory=list)
     keys: list[str] = field(default_factory=list)
+    headers: list[str] = field(default_factory=list)  # names and values of all requests
+    elsewhere: str = ""  # where a 307 leads
     url: str = ""
 
 
@@ -53,6 +55,7 @@ def serving(server: Server) -> Iterator[Server]:
         def do_POST(self) -> None:
             body = json.loads(self.rfile.read(int(self.headers["Content-Length"])))
             server.requests.append(body)
+            server.headers.extend(f"{name}: {value}" for name, value in self.headers.items())
             server.keys.append(self.headers["Authorization"].removeprefix("Bearer "))
             fault = server.faults.pop(0) if server.faults else "ok"
             status = fault if isinstance(fault, int) else 200
@@ -69,6 +72,8 @@ def serving(server: Server) -> Iterator[Server]:
             self.send_header("Content-Type", "application/json")
             self.send_header("Content-Length", str(len(data)))
             self.send_header("retry-after-ms", "1")
+            if status == 307:
+                self.send_header("Location", server.elsewhere)
             self.end_headers()
             self.wfile.write(data[: len(data) // 2] if fault == "cut" else data)
             if fault == "cut":

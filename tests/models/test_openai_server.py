@@ -125,6 +125,35 @@ def test_without_a_key_that_of_openai_is_not_sent(monkeypatch: pytest.MonkeyPatc
     assert server.keys == ["none"]
 
 
+def test_a_request_has_nothing_of_this_machine(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("OPENAI_ORG_ID", "OPENAI_PROJECT_ID"):
+        monkeypatch.setenv(name, "of_mine")
+    monkeypatch.setenv("OPENAI_CUSTOM_HEADERS", "X-Mine: of_mine")
+    with serving(Server(lambda _: FORWARD)) as server:
+        model(server, key="").decide(0, ASKED)
+    sent = "\n".join(server.headers).lower()
+    assert "of_mine" not in sent
+    assert "x-stainless-os" not in sent
+    assert "user-agent: sjdsl" in sent
+
+
+def test_no_request_goes_to_another_server() -> None:
+    other = Server(lambda _: FORWARD)
+    server = Server(lambda _: FORWARD, [307])
+    with serving(other), serving(server):
+        server.elsewhere = f"{other.url}/chat/completions"
+        with pytest.raises(ModelError, match="refuses the request with 307"):
+            model(server).decide(0, ASKED)
+    assert not other.requests
+
+
+def test_a_key_that_no_request_can_carry_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ODD_KEY", "kéy")
+    nowhere = Server(lambda _: "", url="http://127.0.0.1:9/v1")
+    with pytest.raises(ModelError, match="luna: its key has characters"):
+        model(nowhere, key="ODD_KEY").decide(0, ASKED)
+
+
 def test_a_missing_key_is_named(tmp_path: Path) -> None:
     server = Server(lambda _: "", url="http://127.0.0.1:9/v1")
     with pytest.raises(ModelError, match="the environment variable NO_KEY isn't set"):
@@ -171,6 +200,8 @@ def test_a_file_of_models(tmp_path: Path) -> None:
         (f'url = "https://me:{KEY}@host/"', "url: .* without a password"),
         (f'keey = "{KEY}"', "keey: Unexpected keyword argument"),
         ("max_tokens = 0", "max_tokens: .* greater than 0"),
+        ("extra = { n = 3 }", "extra: .* no `n`, which sjdsl sets itself"),
+        ("extra = { since = 2026-01-01 }", "extra: .* what JSON can carry"),
         ('model = ""', "luna needs a `url` and a `model`"),
     ],
 )

@@ -73,7 +73,9 @@ def test_a_page_shows_the_picture_of_every_moment(env: Environment, moments: lis
             .reshape(len(env.game.rows), SIZE, -1, SIZE, 3)
             .mean(axis=(1, 3, 4))
         )
-        assert apart.max() < 6, "of 255 in each cell: two rasterisers, and two fonts of the numbers"
+        assert apart.max() < 12, (
+            "of 255 in each cell: two rasterisers, and two fonts of the numbers"
+        )
 
 
 def test_a_page_tells_what_every_step_did_and_paid(env: Environment, moments: list) -> None:

@@ -172,6 +172,7 @@ def pages(folder: Path, monkeypatch: pytest.MonkeyPatch) -> list[tuple[FirstGame
     return asked
 
 
+@pytest.mark.usefixtures("no_code_allowed")
 def test_the_command_says_variant_and_number_of_agents(
     pages: list[tuple[FirstGame | None, Any]],
 ) -> None:

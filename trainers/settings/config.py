@@ -163,7 +163,7 @@ class Only:
 
     setting: str  # the other one
     values: str  # its values, in words
-    holds: Callable[[Any], bool]  # whether a configuration has one of them
+    holds: Callable[[Any], bool]  # whether a configuration, or its values, has one of them
 
 
 def only(setting: str, *values: str) -> Only:
@@ -209,7 +209,9 @@ TRACES = Only(
 SCALED = only("reward", "individual", "svo", "exchange", "inequity")
 CNN = only("network", "cnn")
 MAPPO = only("algorithm", "mappo")
-ONE_TORSO = Only("critic", "pooled", lambda config: not config.critic_has_torso)
+ONE_TORSO = Only(
+    "critic", "pooled", lambda config: config.algorithm != "mappo" or config.critic == "pooled"
+)
 REMEMBERED = only("memory", "gru")
 BUFFER = only("replay", "buffer")
 ROLLOUT = only("replay", "none")
