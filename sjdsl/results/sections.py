@@ -160,24 +160,9 @@ def learning_curves(frame: "pd.DataFrame", curves: "pd.DataFrame") -> Section:
     pictures = []
     colours: dict[str, str] = {}  # a way of training has one in all games
     for setting, of_game in games(frame):
-        failed = of_game[of_game.status == "failed"].run
-        lines = []
-        for words, seeds in ways_of_training(of_game[~of_game.run.isin(failed)]):
-            line = _line(words, curves[curves.run == seeds.iloc[0].run])
-            if line is not None:
-                colour = colours.setdefault(words, line_colour(len(colours)))
-                lines.append(replace(line, colour=colour))
+        lines = _lines_of_game(of_game, curves, colours)
         if lines:
-            name = re.sub(r"[^\w.-]+", "_", f"curves_{setting.label}")
-            samples = "seeds"
-            seed_counts = {line.label.rpartition(", ")[2] for line in lines}
-            if len(seed_counts) == 1:  # then the note has the number, not each label
-                samples = seed_counts.pop()
-                lines = [replace(line, label=line.label.rpartition(", ")[0]) for line in lines]
-            note = f"Lines: means over {samples}. Bands: 95 % intervals."
-            panels = split_lines(lines, "collective return of an episode")
-            draw = partial(draw_panels, panels, setting.label, note)
-            pictures.append(Picture(name, setting.label, draw))
+            pictures.append(_picture_of_lines(setting.label, lines))
     text = [
         "Mean over seeds, with a band for its 95 % interval (Student's t). A single seed has no "
         "band."
@@ -192,20 +177,55 @@ def learning_curves(frame: "pd.DataFrame", curves: "pd.DataFrame") -> Section:
     return Section("Learning curves", tuple(text), pictures=tuple(pictures))
 
 
-def _line(words: str, points: "pd.DataFrame") -> Line | None:
-    """Returns the curve of a run at the steps that all of its seeds have; None if there are
-    none.
+def _lines_of_game(
+    of_game: "pd.DataFrame", curves: "pd.DataFrame", colours: dict[str, str]
+) -> list[tuple[Line, int]]:
+    """Returns the line of each way of training without a failed seed, with its number of seeds.
+
+    Args:
+      colours: of the ways of training so far; those of new ones are added.
     """
-    by_step = points.pivot(index="env_steps", columns="seed", values="collective_return").dropna()
-    if by_step.empty:
-        return None
-    label = f"{words}, {counted(by_step.shape[1], 'seed')}"
+    lines = []
+    failed = of_game[of_game.status == "failed"].run
+    for words, seeds in ways_of_training(of_game[~of_game.run.isin(failed)]):
+        points = curves[curves.run == seeds.iloc[0].run]
+        by_step = points.pivot(index="env_steps", columns="seed", values="collective_return")
+        by_step = by_step.dropna()  # the steps that all seeds have
+        if not by_step.empty:
+            colour = colours.setdefault(words, line_colour(len(colours)))
+            lines.append((replace(_line(words, by_step), colour=colour), by_step.shape[1]))
+    return lines
+
+
+def _picture_of_lines(title: str, lines: Sequence[tuple[Line, int]]) -> Picture:
+    """Returns a game's picture of lines and their numbers of seeds.
+
+    The number stands below if it is the same for all lines, else in the label of each.
+    """
+    numbers = {number for _, number in lines}
+    if len(numbers) == 1:
+        samples = counted(numbers.pop(), "seed")
+        labelled = [line for line, _ in lines]
+    else:
+        samples = "seeds"
+        labelled = [
+            replace(line, label=f"{line.label}, {counted(number, 'seed')}")
+            for line, number in lines
+        ]
+    note = f"Lines: means over {samples}. Bands: 95 % intervals."
+    panels = split_lines(labelled, "collective return of an episode")
+    name = re.sub(r"[^\w.-]+", "_", f"curves_{title}")
+    return Picture(name, title, partial(draw_panels, panels, title, note))
+
+
+def _line(words: str, by_step: "pd.DataFrame") -> Line:
+    """Returns the curve of a way of training: returns by step and seed."""
     steps = by_step.index.to_numpy(float)
     values = by_step.to_numpy(float)
     if values.shape[1] < 2:
-        return Line(label, steps, values[:, 0])
+        return Line(words, steps, values[:, 0])
     mean, low, high = stack_estimates(estimate(row) for row in values)
-    return Line(label, steps, mean, low, high, least=float(values.min()))
+    return Line(words, steps, mean, low, high, least=float(values.min()))
 
 
 def over_games(frame: "pd.DataFrame") -> Section:
