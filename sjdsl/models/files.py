@@ -94,10 +94,10 @@ class Model(HostPolicy):
 
     @field_validator("extra")
     @classmethod
-    def _changes_no_price(cls, extra: dict[str, Any]) -> dict[str, Any]:
+    def _leaves_ours_alone(cls, extra: dict[str, Any]) -> dict[str, Any]:
         taken = sorted(extra.keys() & REQUEST)
         if taken:
-            raise ValueError(f"no `{taken[0]}`, which sjdsl sets itself, as a budget depends on it")
+            raise ValueError(f"fields other than `{taken[0]}`, which sjdsl sets itself")
         try:
             json.dumps(extra)
         except TypeError as error:

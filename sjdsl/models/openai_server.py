@@ -76,7 +76,7 @@ class OpenAIProvider:
         client = self._client
         from openai import APIConnectionError, APIStatusError, OpenAIError
 
-        fields: dict[str, Any] = {self.limit: self.max_tokens, **(self.extra or {})}
+        fields: dict[str, Any] = {**(self.extra or {}), self.limit: self.max_tokens}
         if self.schema == "strict":
             form = {"name": "reply", "strict": True, "schema": schema}
             fields["response_format"] = {"type": "json_schema", "json_schema": form}

@@ -80,38 +80,36 @@ class Talks:
         write_whole(self.folder / "usage.json", json.dumps(rows, indent=1) + "\n")
 
     def _answered(self, part: str, question: Question) -> Reply:
-        """Returns the recorded reply to a question, or asks and records it."""
-        if self.folder is None:
-            dollars = self.account.admit(question)
-            reply = self._asked(question, dollars)
-            self.account.count(part, question, reply, dollars)
-            return reply
-        path = recorded.file_of(self.folder / part, question.episode, question.agent)
-        talk = self._recorded.get(path, {}).get((question.step, question.kind))
-        if talk is not None:
-            recorded.check_request(talk, question, path)
-            self.account.count(part, question, talk.reply, talk.dollars)
-            return talk.reply
+        """Returns the recorded reply to a question, or asks, and records the call in a folder."""
+        path = None
+        if self.folder is not None:
+            path = recorded.file_of(self.folder / part, question.episode, question.agent)
+            talk = self._recorded.get(path, {}).get((question.step, question.kind))
+            if talk is not None:
+                recorded.check_request(talk, question, path)
+                self.account.count(part, question, talk.reply, talk.dollars)
+                return talk.reply
         start = time.monotonic()
         dollars = self.account.admit(question)
         reply = self._asked(question, dollars)
-        talk = recorded.Talk(
-            question.step,
-            question.trial,
-            question.kind,
-            recorded.request_hash(question.message),
-            recorded.line_hashes(question.message),
-            reply,
-            round(time.monotonic() - start, 3),
-            datetime.now(UTC).isoformat(timespec="seconds"),
-            dollars_of(question.policy, reply),
-        )
-        recorded.append_talk(talk, path)
+        if path is not None:
+            talk = recorded.Talk(
+                question.step,
+                question.trial,
+                question.kind,
+                recorded.request_hash(question.message),
+                recorded.line_hashes(question.message),
+                reply,
+                round(time.monotonic() - start, 3),
+                datetime.now(UTC).isoformat(timespec="seconds"),
+                dollars_of(question.policy, reply),
+            )
+            recorded.append_talk(talk, path)
         self.account.count(part, question, reply, dollars)
         return reply
 
     def _asked(self, question: Question, dollars: float) -> Reply:
-        """Asks; of a call that fails, no dollars are noted any more."""
+        """Asks; a call that fails is no longer counted as one in flight."""
         try:
             with self._free:
                 return ask_policy(question)

@@ -200,7 +200,7 @@ def test_a_file_of_models(tmp_path: Path) -> None:
         (f'url = "https://me:{KEY}@host/"', "url: .* without a password"),
         (f'keey = "{KEY}"', "keey: Unexpected keyword argument"),
         ("max_tokens = 0", "max_tokens: .* greater than 0"),
-        ("extra = { n = 3 }", "extra: .* no `n`, which sjdsl sets itself"),
+        ("extra = { n = 3 }", "extra: .* fields other than `n`, which sjdsl sets itself"),
         ("extra = { since = 2026-01-01 }", "extra: .* what JSON can carry"),
         ('model = ""', "luna needs a `url` and a `model`"),
     ],

@@ -222,7 +222,7 @@ def test_a_seed_that_diverges_ends_the_run_with_its_stage(
         (
             {"algorithm": "mappo"},
             {"algorithm": "mappo"},
-            r"stages\[2\]: .*a central critic, the number of agents, 3 before and 2 here",
+            r"stages\[2\]: .*a critic of all .*, the number of agents, 3 before and 2 here",
         ),
         ({}, {"init_from": "somewhere"}, r"stages\[2\]: leave `init_from` out"),
     ],
@@ -234,6 +234,11 @@ def test_what_cannot_change_between_stages(
         check_stages(
             [Stage(matching(3), config(1, **first)), Stage(matching(2), config(1, **last))]
         )
+
+
+def test_a_pooled_critic_goes_on_with_another_number_of_agents() -> None:
+    pooled = config(1, algorithm="mappo", critic="pooled")
+    check_stages([Stage(matching(3), pooled), Stage(matching(2), pooled)])
 
 
 PRESET = """

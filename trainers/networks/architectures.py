@@ -243,7 +243,7 @@ class ActorCritic(nn.Module):
             features = dense(features, config)
         logits = head(self.num_actions, gain=ACTOR_GAIN, name="actor")(features)
         if self.joint_planes is None:
-            if config.algorithm == "mappo":
+            if config.algorithm == "mappo":  # with `critic=pooled`
                 features = with_mean_of_agents(features)
             return memory, logits, critic(1)(features)[..., 0]
         assert joint is not None

@@ -184,7 +184,7 @@ def check_stages(stages: Sequence[Stage], place: str = STAGES) -> None:
             raise ConfigError(
                 f"{place}[{number}]: its networks have other shapes than those of the stage "
                 "before, as observations, actions, partners or settings of your own differ, or, "
-                "with `sharing=per_agent` or a central critic, the number of agents, "
+                "with `sharing=per_agent` or a critic of all observations or of the state, the number of agents, "
                 f"{before.env.num_agents} before and {stage.env.num_agents} here"
             )
 

@@ -163,7 +163,8 @@ class Only:
 
     setting: str  # the other one
     values: str  # its values, in words
-    holds: Callable[[Any], bool]  # whether a configuration, or its values, has one of them
+    # whether a configuration, or any object with its fields, has one of them
+    holds: Callable[[Any], bool]
 
 
 def only(setting: str, *values: str) -> Only:
