@@ -28,6 +28,7 @@ from sjdsl.replay import play_asked_episodes, play_episodes
 from sjdsl.trainers import PolicyError, evaluate, find_policy, make_config, make_train
 from sjdsl.trainers.policies import evaluation
 from sjdsl.trainers.policies.evaluation import make_host_evaluator
+from tests.models.folders import timeless
 from tests.trainers.probes import recalled
 
 FAKE = Model(name="fake", kind="fake", price=Price(1, 10))
@@ -212,18 +213,6 @@ def diagram(folder: Path | None = None, limits: Limits | None = None) -> Any:
     return schelling_diagram(env, cooperators, defectors, episodes=3, folder=folder, limits=limits)
 
 
-def results(folder: Path) -> dict[str, str]:
-    """Returns all files of an experiment without what a clock wrote."""
-    texts = {}
-    for path in sorted(folder.rglob("*.json*")):
-        text = path.read_text()
-        if path.suffix == ".jsonl":
-            lines = [json.loads(line) for line in text.splitlines()]
-            text = json.dumps([{**line, "seconds": 0, "time": ""} for line in lines])
-        texts[str(path.relative_to(folder))] = text
-    return texts
-
-
 def test_it_goes_on_where_it_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Stopped at twenty points, with torn last lines, it ends as if it had not been; and nobody is
     asked twice."""
@@ -247,7 +236,7 @@ def test_it_goes_on_where_it_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyP
             file.write('{"step": 3, "tri')
     resumed = diagram(tmp_path / "cut")
     assert len(asked) == calls
-    assert results(tmp_path / "cut") == results(tmp_path / "whole")
+    assert timeless(tmp_path / "cut") == timeless(tmp_path / "whole")
     assert (resumed.returns.everybody == whole.returns.everybody).all()
 
 
