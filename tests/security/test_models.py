@@ -19,7 +19,8 @@ game tiny "{ORDER} by its title" {{
   about summary "{ORDER} by its summary"
   about player "{ORDER} to the player"
   about player_guard "{ORDER} to the guard"
-  param pay : reward = 1 note "{ORDER} by a note"
+  cite "{ORDER} by a source"
+  param pay : reward = 1
   episode 5
   kind floor "."
   map {{ "..." }}
@@ -29,9 +30,9 @@ game tiny "{ORDER} by its title" {{
   }}
   phase start {{ each agent {{ send agent to floor }} }}
   schedule earn
-  phase earn "{ORDER} by a phase" {{ each agent {{ give pay to agent  tally earned for agent }} }}
+  phase earn {{ each agent {{ give pay to agent  tally earned for agent }} }}
   observe {{ window ahead 1, behind 0, left 0, right 0 }}
-  metrics {{ event earned "{ORDER} by an event" }}
+  metrics {{ event earned }}
   policy idle "{ORDER} by a policy" {{ when pay > 0 choose stay }}
   scenario two "{ORDER} by a scenario" {{ slots 2 focal }}
 }}
