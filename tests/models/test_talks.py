@@ -78,8 +78,9 @@ def test_at_a_limit_replies_under_way_are_kept(tmp_path: Path) -> None:
     with serving(Server(slowly)) as server:
         luna = model(server)
         limits = Limits(parallel=4, calls=6)
+        questions = [question(luna, episode) for episode in range(9)]
         with pytest.raises(LimitReached), Talks(tmp_path, limits) as talks, ThreadPool(4) as pool:
-            pool.map(talks.part("a"), [question(luna, episode) for episode in range(9)])
+            list(pool.imap_unordered(talks.part("a"), questions))  # raises as soon as one does
         assert len(server.requests) == 6 == recorded_calls(tmp_path)
     assert not (tmp_path / "talks/unanswered.json").exists()
 
