@@ -11,6 +11,7 @@ import click
 
 from sjdsl.cli.policies import SIDE_BY_SIDE
 from sjdsl.cli.stages import Say
+from sjdsl.experiments.folder import record_experiment, require_same
 from sjdsl.models import HostPolicy, Limits, Talks
 from sjdsl.trainers.settings.policy_names import UNTRAINED
 
@@ -46,7 +47,6 @@ def calls_beside(
     Raises:
       ExperimentError: the folder holds others.
     """
-    from sjdsl.experiments.folder import record_experiment, require_same
     from sjdsl.experiments.players import find_pool
     from sjdsl.trainers.runs.run_folder import describe_game
 
