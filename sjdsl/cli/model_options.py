@@ -30,21 +30,15 @@ class Asking:
     status: bool = False
 
 
-def model_options(command: Command) -> Command:
-    """Adds the options of calls; the command gets them together as `asking`."""
+def limit_options(command: Command) -> Command:
+    """Adds the options of limits; the command gets them together as `limits`."""
 
     @functools.wraps(command)
-    def with_asking(
-        *,
-        parallel: int,
-        budget: float | None,
-        calls: int | None,
-        dry_run: bool,
-        status: bool,
-        **others: Any,
+    def with_limits(
+        *, parallel: int, budget: float | None, calls: int | None, **others: Any
     ) -> Any:
         """Calls the command with the options in one object."""
-        return command(asking=Asking(Limits(parallel, budget, calls), dry_run, status), **others)
+        return command(limits=Limits(parallel, budget, calls), **others)
 
     parallel_option = click.option(
         "--parallel",
@@ -66,13 +60,24 @@ def model_options(command: Command) -> Command:
         metavar="N",
         help="Language models: stop before there are more calls, earlier runs included.",
     )
+    return parallel_option(budget_option(calls_option(with_limits)))
+
+
+def model_options(command: Command) -> Command:
+    """Adds the options of experiments with models; the command gets them together as `asking`."""
+
+    @functools.wraps(command)
+    def with_asking(*, limits: Limits, dry_run: bool, status: bool, **others: Any) -> Any:
+        """Calls the command with the options in one object."""
+        return command(asking=Asking(limits, dry_run, status), **others)
+
     dry_run_option = click.option(
         "--dry-run", is_flag=True, help="Language models: print what they would cost; ask none."
     )
     status_option = click.option(
         "--status", is_flag=True, help="Language models: print what they have been asked so far."
     )
-    return parallel_option(budget_option(calls_option(dry_run_option(status_option(with_asking)))))
+    return limit_options(dry_run_option(status_option(with_asking)))
 
 
 def show_forecast(

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
+from sjdsl.cli.asked_episodes import host_of, require_model
 from sjdsl.cli.environment_options import (
     EnvironmentOptions,
     environment_options,
@@ -18,6 +19,7 @@ from sjdsl.cli.environment_options import (
 )
 from sjdsl.cli.episode_options import seed_option
 from sjdsl.cli.folders import require_folder_of
+from sjdsl.cli.model_options import limit_options
 from sjdsl.cli.policies import (
     FROM_FILE,
     NAMES,
@@ -39,6 +41,7 @@ from sjdsl.interpreter.state import Value, copied
 from sjdsl.interpreter.step import reset, step
 from sjdsl.interpreter.threefry import Threefry
 from sjdsl.library.action_names import split_actions
+from sjdsl.models import Limits, Talks
 from sjdsl.models.reasons import Reasons
 from sjdsl.printable import printable
 from sjdsl.render.letters import Letters, board_rows, make_letters
@@ -94,6 +97,7 @@ Steering = Iterable[Mapping[int, int]]
 )
 @click.option("--record", metavar="FILE", help="Store the episode for `sjdsl replay`.")
 @environment_options
+@limit_options
 def command(
     game: str,
     agent: int,
@@ -104,6 +108,7 @@ def command(
     steps: int | None,
     record: str | None,
     options: EnvironmentOptions,
+    limits: Limits,
 ) -> None:
     """Plays one episode of GAME: shows the board, and reads what your agent does next.
 
@@ -130,6 +135,7 @@ def command(
     else:
         check_policy(others, rules)
 
+    require_model(limits, seats or [others])
     length = int(evaluate(rules.episode, Instance(board, declared_world(board, values))))
     most_steps = min(length, steps or length)
     steering: Steering
@@ -138,22 +144,21 @@ def command(
     else:
         typed = typed_actions(rules.agents.actions)
         steering = islice(({player: action} for action in typed), most_steps)
-    reasons = Reasons()
+    reasons = Reasons(Talks(limits=limits).part("play"))
     is_declared = others in (*UNTRAINED, *(policy.name for policy in rules.policies))
     if not seats and is_declared:
         moments = play_interpreted(rules, values, seed, chooser(rules, others, seed), steering)
     else:
         with stages(f"compiling {rules.name}"):
             env = make_environment(arguments)
-            from sjdsl.trainers.policies.loading import find_host
             from sjdsl.trainers.policies.seating import seated_policy
 
-            if not seats and find_host(others) is not None:
+            if not seats and host_of(others) is not None:
                 seats = [others] * rules.agents.number
                 if player is not None:
                     seats[player] = YOU
             if seats:
-                policy = seated_policy(seats, env, choose_policy, reasons.ask)
+                policy = seated_policy(seats, env, choose_policy, reasons.ask, limits.parallel)
             else:
                 policy = choose_policy(others, env)
             moments = play_compiled(env, policy, seed, steering)

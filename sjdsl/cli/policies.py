@@ -102,7 +102,9 @@ def players_of(name: str, game: "ir.Game") -> list[str]:
 
 
 def choose_policy(name: str, env: "Environment") -> Any:
-    """Returns a policy by its name; warnings about it are printed as notes."""
+    """Returns a policy by its name, unless it is asked in words; warnings about it are printed as
+    notes.
+    """
     from sjdsl.runtime.policy import UNTRAINED, mixed_policy
 
     if name == SIDE_BY_SIDE:
@@ -118,14 +120,7 @@ def choose_policy(name: str, env: "Environment") -> Any:
         return UNTRAINED[name](env)
     check_policy(name, env.game)
     from sjdsl.trainers import find_policy
-    from sjdsl.trainers.policies.loading import find_host
 
-    host = find_host(name)
-    if host is not None:
-        from sjdsl.models.hosted import hosted_policy
-
-        agents = range(env.num_agents)
-        return hosted_policy(env, dict.fromkeys(agents, host), mixed_policy(env.num_agents, []))
     with warnings_as_notes():
         return find_policy(name, env)
 

@@ -4,6 +4,7 @@ replay.
 
 import hashlib
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
 from importlib.metadata import version
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from sjdsl.cli.asked_episodes import asked_policy, calls_beside, host_of, require_model
 from sjdsl.cli.environment_options import (
     EnvironmentOptions,
     environment_options,
@@ -19,7 +21,7 @@ from sjdsl.cli.environment_options import (
 )
 from sjdsl.cli.episode_options import SEED_OF_FIRST, episodes_option, seed_option
 from sjdsl.cli.folders import require_folder_of, require_unused
-from sjdsl.cli.model_options import Asking, model_options
+from sjdsl.cli.model_options import limit_options
 from sjdsl.cli.policies import SIDE_BY_SIDE, check_policy, choose_policy, code_option, policy_option
 from sjdsl.cli.stages import LOADING, Say, stages
 from sjdsl.models import HostPolicy, Limits, Talks
@@ -53,7 +55,7 @@ REPORTED = 100  # episodes between two lines of progress
     help="How to store observations.",
 )
 @environment_options
-@model_options
+@limit_options
 def command(
     game: str,
     output: str | None,
@@ -62,7 +64,7 @@ def command(
     seed: int,
     observation: str,
     options: EnvironmentOptions,
-    asking: Asking,
+    limits: Limits,
 ) -> None:
     """Plays GAME and stores observations, actions and rewards of whole episodes."""
     path = Path(output or f"{Path(game).stem}.npz")
@@ -76,19 +78,15 @@ def command(
     require_unused(path, "recorded episodes")
     require_folder_of(path)
     arguments = options.describe(game)
-    host = _host_of(policy)
-    if asking.dry_run or asking.status or (host is None and asking != Asking(Limits())):
-        raise click.UsageError(
-            "--parallel, --budget and --calls are for language models; for --dry-run and --status "
-            "see crossplay"
-        )
-    folder = None if host is None else path.with_name(f"{path.stem}_models")
-    with stages(LOADING) as say, Talks(folder, asking.limits, say) as talks:
+    require_model(limits, [policy])
+    host = host_of(policy)
+    with stages(LOADING) as say, ExitStack() as stack:
         env = make_environment(arguments)
         if host is None:
             play = partial(_play_compiled, choose_policy(policy, env))
         else:
-            play = partial(_play_asked, host, talks)
+            calls = calls_beside(path, policy, env, seed, limits, say)
+            play = partial(_play_asked, host, stack.enter_context(calls))
         planes = {
             "onehot": list(env.channel_names),
             "tokens": [plane.name for plane in env.token_planes],
@@ -111,15 +109,6 @@ def command(
     click.echo(summary)
 
 
-def _host_of(policy: str) -> HostPolicy | None:
-    """Returns the policy of this name if it is asked in words; None for every other."""
-    if policy in (*UNTRAINED, SIDE_BY_SIDE):
-        return None
-    from sjdsl.trainers.policies.loading import find_host
-
-    return find_host(policy)
-
-
 def _play_compiled(policy: Any, env: "Environment", header: Header) -> Iterator[Episode]:
     """Yields the episodes of a header under a policy."""
     from sjdsl.replay import play_episodes
@@ -133,16 +122,9 @@ def _play_asked(
     """Yields the episodes of a header, in which all agents ask a host; calls are recorded."""
     import numpy as np
 
-    from sjdsl.models.hosted import hosted_policy
     from sjdsl.replay import play_asked_episodes
-    from sjdsl.runtime.policy import mixed_policy
 
-    hosts = dict.fromkeys(range(env.num_agents), host)
-    nobody = mixed_policy(env.num_agents, [])
-
-    def policy_of(seed: int) -> Any:
-        return hosted_policy(env, hosts, nobody, talks.part(f"seed_{seed}"), talks.limits.parallel)
-
+    policy_of = partial(asked_policy, env, host, talks)
     assert talks.folder is not None
     played = play_asked_episodes(env, policy_of, header.seed, header.episodes, header.observation)
     for episode in played:

@@ -1,14 +1,17 @@
 """`sjdsl render`: writes a game as a film or a page, or one moment of it as a picture."""
 
 from collections import deque
+from contextlib import ExitStack
 from pathlib import Path
 
 import click
 
+from sjdsl.cli.asked_episodes import asked_policy, calls_beside, host_of, require_model
 from sjdsl.cli.environment_options import EnvironmentOptions, environment_options
 from sjdsl.cli.episode_options import SEED_OF_FIRST, seed_option
 from sjdsl.cli.film import announced, check_film, save_film
 from sjdsl.cli.folders import require_folder_of
+from sjdsl.cli.model_options import limit_options
 from sjdsl.cli.policies import (
     check_policy,
     choose_policy,
@@ -18,6 +21,7 @@ from sjdsl.cli.policies import (
 )
 from sjdsl.cli.stages import LOADING, stages
 from sjdsl.extras import require
+from sjdsl.models import Limits
 
 
 @click.command("render")
@@ -48,6 +52,7 @@ from sjdsl.extras import require
     help="Frames a second.",
 )
 @environment_options
+@limit_options
 def command(
     game: str,
     output: str | None,
@@ -56,6 +61,7 @@ def command(
     seed: int,
     speed: float,
     options: EnvironmentOptions,
+    limits: Limits,
 ) -> None:
     """Plays GAME, a bundled one or a `.sj` file, and draws what happens: by default cooperators
     beside defectors."""
@@ -66,11 +72,17 @@ def command(
         check_film(path)
     check_policy(policy, options.check(game))
     require_folder_of(path)
-    with stages(LOADING) as say:
+    require_model(limits, [policy])
+    host = host_of(policy)
+    with stages(LOADING) as say, ExitStack() as stack:
         env = options.make(game)
         from sjdsl.render import make_painter, play_moments, save_png
 
-        act = choose_policy(policy, env)
+        if host is None:
+            act = choose_policy(policy, env)
+        else:
+            calls = calls_beside(path, policy, env, seed, limits, say)
+            act = asked_policy(env, host, stack.enter_context(calls), seed)
         if path.suffix == ".png":
             moments = announced(play_moments(env, act, steps, seed), env, say)
             *before, last = deque(moments, maxlen=2)  # `before` is empty after no step

@@ -18,7 +18,7 @@ from sjdsl.experiments.stacks import find_hosts
 from sjdsl.models import HostPolicy, Limits, Model, Reply, Seats
 from sjdsl.models.account import Account, Usage, tokens
 from sjdsl.models.asking import Question
-from sjdsl.models.recorded import FOLDER, file_of, read_talks
+from sjdsl.models.recorded import FOLDER, file_of, read_talks, read_unanswered
 from sjdsl.models.roles import wordings
 from sjdsl.trainers.environment import episode_length, num_trials
 from sjdsl.trainers.policies.estimates import Estimate, estimate
@@ -87,8 +87,9 @@ def status_text(experiment: Experiment, folder: Path, description: Mapping[str, 
                 most += _calls_of_a_seat(experiment.env, policy)
                 path = file_of(folder / FOLDER / part, episode, agent)
                 for talk in read_talks(path).values():
-                    account.add((part, episode, agent), talk.trial, policy, talk.reply)
-    lines = [f"{folder}: {account.total().calls:,} calls, of at most {most:,}"]
+                    account.recall(talk)
+    unanswered = read_unanswered(folder / FOLDER).text()
+    lines = [f"{folder}: {account.total().calls:,} calls, of at most {most:,}{unanswered}"]
     for (model, role, trial), used in sorted(account.usage.items()):
         name = f"{model}+{role}" if role else model
         lines.append(f"  {name}, trial {trial}: {_figures(used)}")

@@ -9,11 +9,13 @@ from sjdsl.models.asking import PARALLEL, Question
 from sjdsl.models.errors import LimitReached, ModelError
 from sjdsl.models.files import Model
 from sjdsl.models.policy import Answer, HostPolicy, Message, Reply
+from sjdsl.models.recorded import Pending, Talk
 
 CHARACTERS_OF_A_TOKEN = 3  # about; less than in English prose, as windows are signs
 LEAST_LETTERS_OF_A_TOKEN = 2  # of ASCII, for the most that a call may cost
 Seat = tuple[str, int, int]  # the part of an experiment, the episode in it, the agent
 REPORTED = 100  # calls between two lines of progress
+DIGITS = 12  # of dollars after the point: sums are the same in any order of calls
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,7 @@ class Usage:
         """The share of replies that couldn't be used."""
         return self.invalid / self.calls if self.calls else 0.0
 
-    def add(self, policy: HostPolicy, reply: Reply) -> None:
+    def add(self, reply: Reply, dollars: float) -> None:
         """Counts a call."""
         answer = reply.answer or Answer("")
         self.calls += 1
@@ -53,28 +55,33 @@ class Usage:
         self.input += answer.input
         self.cached += answer.cached
         self.output += answer.output
-        if isinstance(policy, Model):  # the same in any order of calls
-            self.dollars = policy.dollars(self.input, self.cached, self.output)
+        self.dollars = round(self.dollars + dollars, DIGITS)
 
 
 class Account:
     """Counts the calls of an experiment, in several threads.
 
-    usage: by model, role and trial; by_seat: by part, episode and agent; server_names: by model,
-    the name that its server gives it.
+    usage: of all commands in its folder, by model, role and trial; by_seat: of this one, by part,
+    episode and agent; server_names: by model, the name that its server gives it.
+    in_flight: calls that haven't been answered yet; unanswered: those that never were.
     """
 
-    def __init__(self, limits: Limits, tell: Callable[[str], None] = lambda _: None) -> None:
-        """tell: gets a line after every hundred calls."""
+    def __init__(
+        self,
+        limits: Limits,
+        tell: Callable[[str], None] = lambda _: None,
+        is_recorded: bool = True,
+    ) -> None:
+        """tell: gets a line after every hundred calls; is_recorded: whether calls are on disk."""
         self.usage: defaultdict[tuple[str, str, int], Usage] = defaultdict(Usage)
         self.by_seat: defaultdict[Seat, Usage] = defaultdict(Usage)
         self.server_names: dict[str, str] = {}
         self._limits = limits
         self._tell = tell
+        self._is_recorded = is_recorded
         self._lock = threading.Lock()
-        # of calls in flight, and of those recorded earlier that nobody has asked for again yet
-        self._calls_pending = 0
-        self._dollars_pending = 0.0
+        self.in_flight = Pending()
+        self.unanswered = Pending()
 
     def total(self) -> Usage:
         """Returns the usage of all models together."""
@@ -87,10 +94,10 @@ class Account:
             parts[f"{model}+{role}" if role else model].append(usage)
         return {name: _sum(usages) for name, usages in parts.items()}
 
-    def reserve(self, dollars: float) -> None:
-        """Notes a recorded call that nobody has asked for again yet."""
-        with self._lock:
-            self._pend(1, dollars)
+    def recall(self, talk: Talk) -> None:
+        """Counts a call that an earlier command has recorded. Raises as `check_server_name`."""
+        self.usage[talk.model, talk.role, talk.trial].add(talk.reply, talk.dollars)
+        self.check_server_name(talk.model, talk.reply)
 
     def admit(self, question: Question) -> float:
         """Notes a call in flight; returns the most dollars that it may cost.
@@ -101,42 +108,33 @@ class Account:
         dollars = _most_dollars(question, self._limits)
         with self._lock:
             self._check_limits(dollars)
-            self._pend(1, dollars)
+            self.in_flight.add(1, dollars)
         return dollars
 
     def release(self, dollars: float) -> None:
-        """Notes that a call which was admitted has failed."""
+        """Notes that a call in flight has failed, and costs nothing."""
         with self._lock:
-            self._pend(-1, -dollars)
+            self.in_flight.add(-1, -dollars)
 
-    def count(self, part: str, question: Question, reply: Reply, pending: float) -> None:
-        """Counts a call; until now so many dollars were noted for it.
-
-        Raises:
-          ModelError: the server has another model than before.
-        """
+    def count(self, part: str, question: Question, talk: Talk, noted: float) -> None:
+        """Counts a call in flight, for which so many dollars were noted."""
         with self._lock:
-            self._pend(-1, -pending)
-            self.add(
-                (part, question.episode, question.agent), question.trial, question.policy, reply
-            )
+            self.in_flight.add(-1, -noted)
+            self.usage[talk.model, talk.role, talk.trial].add(talk.reply, talk.dollars)
+            self.count_seat(part, question, talk)
             total = self.total()
             if total.calls % REPORTED == 0:
                 self._tell(
                     f"{total.calls:,} calls, {total.invalid:,} unusable, ${total.dollars:.2f}"
                 )
 
-    def add(self, seat: Seat, trial: int, policy: HostPolicy, reply: Reply) -> None:
-        """Counts a call of which nothing was noted, in one thread. Raises as `count`."""
-        self.usage[name_of(policy), policy.role, trial].add(policy, reply)
-        self.by_seat[seat].add(policy, reply)
-        self._check_server_name(name_of(policy), reply.answer or Answer(""))
+    def count_seat(self, part: str, question: Question, talk: Talk) -> None:
+        """Counts a call of one agent in one episode, of which no other thread knows."""
+        self.by_seat[part, question.episode, question.agent].add(talk.reply, talk.dollars)
 
-    def _pend(self, calls: int, dollars: float) -> None:
-        self._calls_pending += calls
-        self._dollars_pending += dollars
-
-    def _check_server_name(self, name: str, answer: Answer) -> None:
+    def check_server_name(self, name: str, reply: Reply) -> None:
+        """Raises ModelError if the server of a model calls it otherwise than before."""
+        answer = reply.answer or Answer("")
         known = self.server_names.setdefault(name, answer.model)
         if known != answer.model:
             raise ModelError(
@@ -146,20 +144,25 @@ class Account:
 
     def _check_limits(self, dollars: float) -> None:
         """Raises LimitReached if one more call of so many dollars might pass a limit."""
-        used = self.total()
         limits = self._limits
-        if limits.calls is not None and used.calls + self._calls_pending >= limits.calls:
+        used = self.total()
+        calls = used.calls + self.in_flight.calls + self.unanswered.calls
+        if limits.calls is not None and calls >= limits.calls:
             raise LimitReached(
-                f"{used.calls} calls were made, and at most {limits.calls} may be; all replies are "
-                "kept: the same command with a larger --calls goes on"
+                f"{calls} calls were made, and at most {limits.calls} may be; "
+                f"{self._with_more('--calls')}"
             )
-        most = used.dollars + self._dollars_pending + dollars
-        if limits.budget is not None and most > limits.budget:
+        most = used.dollars + self.in_flight.dollars + self.unanswered.dollars
+        if limits.budget is not None and most + dollars > limits.budget:
             raise LimitReached(
-                f"{used.dollars:.4f} dollars are spent, and the next call might pass the budget of "
-                f"{limits.budget:g}; all replies are kept: the same command with a larger "
-                "--budget goes on"
+                f"{used.dollars:.4f} dollars are spent{self.unanswered.text()}, and the next call "
+                f"might pass the budget of {limits.budget:g}; {self._with_more('--budget')}"
             )
+
+    def _with_more(self, limit: str) -> str:
+        if self._is_recorded:
+            return f"all replies are kept: the same command with a larger {limit} goes on"
+        return f"choose a larger {limit}; nothing was recorded, so all calls would be made again"
 
 
 def tokens(message: Message) -> int:
@@ -182,9 +185,10 @@ def name_of(policy: HostPolicy) -> str:
 
 def dollars_of(policy: HostPolicy, reply: Reply) -> float:
     """Returns what a reply cost."""
-    usage = Usage()
-    usage.add(policy, reply)
-    return usage.dollars
+    answer = reply.answer or Answer("")
+    if not isinstance(policy, Model):
+        return 0.0
+    return policy.dollars(answer.input, answer.cached, answer.output)
 
 
 def _sum(usages: Iterable[Usage]) -> Usage:
@@ -198,9 +202,9 @@ def _sum(usages: Iterable[Usage]) -> Usage:
 def _most_dollars(question: Question, limits: Limits) -> float:
     """Returns the most that a call may cost. Raises ModelError if a budget can't be kept."""
     policy = question.policy
-    if limits.budget is None or not isinstance(policy, Model):
+    if not isinstance(policy, Model):
         return 0.0
-    if policy.price is None and policy.kind != "fake":
+    if limits.budget is not None and policy.price is None and policy.kind != "fake":
         raise ModelError(
             f"--budget needs the `price` of {policy.name} in its table; or limit the --calls"
         )

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from multiprocessing.pool import ThreadPool
 from typing import Literal
+from weakref import finalize
 
 from sjdsl.models.errors import ModelError
 from sjdsl.models.policy import HostPolicy, Message, Reply
@@ -42,11 +43,13 @@ class Asker:
         """ask: answers a question; parallel: the most questions at once."""
         self._ask = ask
         self._pool = ThreadPool(parallel)
+        # An episode may be left before its end, and then nobody closes what asks in it.
+        self._end = finalize(self, self._pool.terminate)
         self._invalid_in_a_row: dict[int, int] = {}  # of who has answered, by `id`
 
     def close(self) -> None:
         """Ends the threads; calls in flight aren't waited for."""
-        self._pool.terminate()
+        self._end()
 
     def replies(self, questions: Sequence[Question]) -> Iterator[tuple[Question, Reply]]:
         """Yields questions with their replies.

@@ -1,6 +1,7 @@
 """A policy for loops in Python: some agents are asked in words, the others follow any policy."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from itertools import count
 from typing import Any
 
 import jax
@@ -18,14 +19,15 @@ def hosted_policy(
     env: Any,
     hosts: Mapping[int, HostPolicy],
     others: Policy,
-    ask: Ask = ask_policy,
+    ask_of: Callable[[int], Ask] = lambda _: ask_policy,
     parallel: int = PARALLEL,
 ) -> MemoryPolicy:
-    """Returns a policy that can't be traced: it plays one episode at a time.
+    """Returns a policy that can't be traced: it plays one episode after the other.
 
     Args:
       hosts: by agent, those who are asked; all others follow `others`.
-      ask, parallel: of `Seats`.
+      ask_of: returns `ask` of the `Seats` of its first episode, 0, of the next one, and so on.
+      parallel: of `Seats`.
 
     Raises:
       ModelError: the agents of `env` can't be asked.
@@ -34,11 +36,14 @@ def hosted_policy(
     act_of_others, tell_others = compiled_actions(env, traced)
     allowed_actions = jax.jit(env.allowed_actions)
     running = np.zeros(1, bool)
-    Seats(env, [hosts], ask, parallel).close()  # refuses before anything is played
+    Seats(env, [hosts]).close()  # refuses before anything is played
+    numbers = count()
 
     def act(memory: Any, key: Array, observation: Array, state: Any) -> tuple[Any, Array]:
         """Returns the memory of the others with the seats of those who are asked, and actions."""
-        of_others, seats = memory or (traced.start, Seats(env, [hosts], ask, parallel))
+        if memory is None:
+            memory = traced.start, Seats(env, [hosts], ask_of(next(numbers)), parallel)
+        of_others, seats = memory
         of_others, actions = act_of_others(of_others, key, observation, state)
         allowed = np.asarray(allowed_actions(state))
         chosen = seats.choose(np.asarray(observation)[None], allowed[None], running)[0]

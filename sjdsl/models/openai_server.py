@@ -6,13 +6,14 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal
 
 from sjdsl.extras import needs
-from sjdsl.models.errors import ModelError
+from sjdsl.models.errors import ModelError, Unanswered
 from sjdsl.models.policy import Answer, Message
 
 if TYPE_CHECKING:
     from openai import OpenAI
 
 Schema = Literal["strict", "json", "none"]
+UNREACHED = ("ConnectError", "ConnectTimeout")  # of httpx or httpx2, as the package chooses
 NO_KEY = "none"  # a server on this machine asks for none; the package wants some text
 
 
@@ -70,6 +71,7 @@ class OpenAIProvider:
         """Returns the model's answer; an empty one if the server sends something else.
 
         Raises:
+          Unanswered: the server was reached, and no answer came.
           ModelError: the server refuses the request, or can't be reached.
           MissingExtra: the package isn't installed.
         """
@@ -82,6 +84,7 @@ class OpenAIProvider:
             fields["response_format"] = {"type": "json_schema", "json_schema": form}
         elif self.schema == "json":
             fields["response_format"] = {"type": "json_object"}
+        kind = ModelError
         try:
             completion = client.chat.completions.create(
                 model=self.model,
@@ -96,12 +99,14 @@ class OpenAIProvider:
             problem = f"the server refuses the request with {error.status_code}: {error.message}"
         except APIConnectionError as error:
             problem = f"no answer within {self.retries + 1} attempts: {error.message}"
+            if type(error.__cause__).__name__ not in UNREACHED:
+                kind = Unanswered
         except OpenAIError as error:
             problem = str(error)
         except ValueError:  # not JSON
             return Answer("", finish="not a completion")
         # `from None`: the error has the request, and the request the key.
-        raise ModelError(f"{self.model} at {self.url}: {self._without_key(problem)}") from None
+        raise kind(f"{self.model} at {self.url}: {self._without_key(problem)}") from None
 
     def _answer(self, completion: Any) -> Answer:
         choices = getattr(completion, "choices", None)

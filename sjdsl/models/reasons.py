@@ -1,18 +1,19 @@
 """Why agents that are asked in words did what they did in an episode."""
 
-from sjdsl.models.asking import Question, ask_policy
+from sjdsl.models.asking import Ask, Question, ask_policy
 from sjdsl.models.policy import Reply
 
 
 class Reasons:
     """Asks the agents of one episode after the other, and keeps their reasons in the last one."""
 
-    def __init__(self) -> None:
+    def __init__(self, ask: Ask = ask_policy) -> None:
+        self._ask = ask
         self._whys: dict[tuple[int, int], str] = {}  # by step and agent
 
     def ask(self, question: Question) -> Reply:
         """Returns the reply to a question."""
-        reply = ask_policy(question)
+        reply = self._ask(question)
         if question.kind == "move":
             self._whys[question.step, question.agent] = reply.why
         return reply

@@ -9,12 +9,13 @@ from typing import Any, Literal
 
 from pydantic import TypeAdapter, ValidationError
 
-from sjdsl.files import naming, open_in_place, read_lines
+from sjdsl.files import MEGABYTE, naming, open_in_place, read_bytes, read_lines, write_whole
 from sjdsl.models.asking import Kind, Question
 from sjdsl.models.errors import ModelError
 from sjdsl.models.policy import Message, Reply
 
 FOLDER = "talks"
+UNANSWERED = "unanswered.json"
 
 
 @dataclass(frozen=True)
@@ -24,6 +25,7 @@ class Talk:
     request: the first half of the SHA-256 of all that the model was told; lines: four hexadecimal
     digits for each line of the message, to name the first one that differs.
     seconds: how long it took; time: when it was answered, UTC; dollars: by the price then.
+    model, role: the names by which it is counted.
     """
 
     step: int
@@ -35,10 +37,32 @@ class Talk:
     seconds: float
     time: str
     dollars: float
+    model: str = ""
+    role: str = ""
     format: Literal["sjdsl-talk-1"] = "sjdsl-talk-1"
 
 
+@dataclass
+class Pending:
+    """Calls without an answer, and the most dollars that they may cost."""
+
+    calls: int = 0
+    dollars: float = 0.0
+
+    def add(self, calls: int, dollars: float) -> None:
+        """Adds calls, or takes them away."""
+        self.calls += calls
+        self.dollars += dollars
+
+    def text(self) -> str:
+        """Returns both in words, as the continuation of a sentence; empty without calls."""
+        if not self.calls:
+            return ""
+        return f", and up to ${self.dollars:.4f} for {self.calls:,} calls that were never answered"
+
+
 TALK = TypeAdapter(Talk)
+PENDING = TypeAdapter(Pending)
 Talks = dict[tuple[int, Kind], Talk]  # of one agent in one episode, by step and kind
 
 
@@ -74,6 +98,22 @@ def read_talks(path: Path) -> Talks:
             ) from None
         talks[talk.step, talk.kind] = talk
     return talks
+
+
+def read_unanswered(folder: Path) -> Pending:
+    """Returns the calls of earlier commands in a folder that were never answered."""
+    path = folder / UNANSWERED
+    if not path.exists():
+        return Pending()
+    try:
+        return PENDING.validate_json(read_bytes(path, MEGABYTE))
+    except ValidationError:
+        raise ModelError(f"{path} is damaged; remove it, and its calls aren't counted") from None
+
+
+def write_unanswered(calls: Pending, folder: Path) -> None:
+    """Writes what `read_unanswered` reads."""
+    write_whole(folder / UNANSWERED, PENDING.dump_json(calls) + b"\n")
 
 
 def cut_torn_line(path: Path) -> None:

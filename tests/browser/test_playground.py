@@ -116,6 +116,13 @@ def test_a_mistake_is_seen_and_mended(playground: Page) -> None:
     expect(part(playground, "verdict")).to_have_text("", timeout=30_000)
 
 
+def test_what_an_agent_sees_is_read_as_a_model_reads_it(playground: Page) -> None:
+    playground.locator('[data-panel="seen"]').click()
+    part(playground, "panel").get_by_text("As a language model sees it").click()
+    message = part(playground, "panel").locator("details pre")
+    expect(message).to_contain_text("WHAT YOU SEE NOW:", timeout=30_000)
+
+
 def test_it_offers_nobody_who_would_need_a_seat(playground: Page) -> None:
     names = part(playground, "others").locator("option")
     expect(names.first).to_have_attribute("value", "random")

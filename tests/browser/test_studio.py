@@ -269,6 +269,16 @@ def test_what_an_agent_sees_is_drawn_and_keys_are_keycaps(opened: Page) -> None:
     assert sum(map(sum, drawn)) in (4, 6), "two rows of the map, in a corner or in the middle"
 
 
+def test_what_an_agent_sees_is_read_as_a_model_reads_it(opened: Page) -> None:
+    opened.locator('[data-panel="seen"]').click()
+    message = part(opened, "panel").locator("details pre")
+    expect(message).to_be_hidden()
+    part(opened, "panel").get_by_text("As a language model sees it").click()
+    expect(message).to_be_visible()
+    expect(message).to_contain_text("You stand on: floor.")
+    expect(message).to_contain_text("YOUR ACTIONS NOW:\nforward -> ")
+
+
 def test_games_are_opened_by_title_and_picture(opened: Page) -> None:
     part(opened, "files").click()
     row = opened.locator('dialog [data-path="tour:berries_1.sj"]')

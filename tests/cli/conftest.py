@@ -1,11 +1,14 @@
 """A folder with a small game, and a way to run the command line in it."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from command_line import GAME, GROVE, Output, Sjdsl
+from luna import KEY, by_role, write_models
 
 from sjdsl.cli import run
+from tests.models.server import Server, serving
 
 
 @pytest.fixture
@@ -32,3 +35,12 @@ def sjdsl(folder: Path, capsys: pytest.CaptureFixture[str]) -> Sjdsl:
         return Output(status, *capsys.readouterr())
 
     return call
+
+
+@pytest.fixture
+def server(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Server]:
+    """A server of the model `luna`, whose file is in the working folder."""
+    monkeypatch.setenv("LUNA_KEY", KEY)
+    with serving(Server(by_role)) as running:
+        write_models(folder, running.url)
+        yield running

@@ -5,46 +5,15 @@ import json
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 from command_line import Sjdsl
+from luna import KEY, MATRIX, SCHELLING, VISITORS, by_role, write_models
 
 from sjdsl.replay import Dataset, load_recording
-from tests.models.server import Server, serving
-
-GAMES = Path(__file__).parents[1] / "experiments/games"
-MATRIX = GAMES / "matrix_game.sj"
-VISITORS = GAMES / "visitors.sj"
-KEY = "sk-another-secret"
-ROLES = ("--cooperators", "models.toml:luna+cooperator", "--defectors", "models.toml:luna+defector")
-SCHELLING = ("schelling", str(MATRIX), *ROLES, "--episodes", "2", "-o", "out")
-
-
-def by_role(body: dict[str, Any]) -> str:
-    """Cooperators stay and defectors betray, as their text says who they are."""
-    system = body["messages"][0]["content"]
-    is_selfish = "not what others get" in system or "whatever it costs others" in system
-    action = "betray" if is_selfish else "stay"
-    return json.dumps({"why": "my part", "goal": "", "note": {"op": "none"}, "action": action})
-
-
-@pytest.fixture
-def server(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Server]:
-    """A server of the model `luna`, whose file is in the working folder."""
-    monkeypatch.setenv("LUNA_KEY", KEY)
-    with serving(Server(by_role)) as running:
-        write_models(folder, running)
-        yield running
-
-
-def write_models(folder: Path, server: Server) -> None:
-    (folder / "models.toml").write_text(
-        f'[luna]\nurl = "{server.url}"\nmodel = "m"\nkey = "LUNA_KEY"\nretries = 1\n'
-        "price = { input = 1, cached = 0.1, output = 10 }\n"
-    )
+from tests.models.server import Server
 
 
 def test_a_schelling_diagram_of_models(folder: Path, sjdsl: Sjdsl, server: Server) -> None:
@@ -286,6 +255,14 @@ def test_a_person_plays_among_models(
         ("you,you", "`you` can play one agent"),
     ):
         assert problem in sjdsl("play", str(MATRIX), "--slots", slots_text).text
+    monkeypatch.setattr("sys.stdin", io.StringIO("stay\n" * 4))
+    limited = ("--others", "models.toml:luna+defector", "--calls", "2", "--record", "cut.json")
+    stopped = sjdsl("play", str(MATRIX), *limited)
+    assert (stopped.status, len(server.requests)) == (3, 7)
+    assert "2 calls were made, and at most 2 may be; choose a larger --calls" in stopped.err
+    assert len(load_recording(folder / "cut.json", 0).actions) == 2
+    refused = sjdsl("play", str(MATRIX), "--others", "stay", "--budget", "2")
+    assert "--calls are for language models, and none plays" in refused.err
     refused = sjdsl("play", str(MATRIX), "--slots", "you,stay", "--agent", "0")
     assert "without --agent and --others" in refused.text
 
@@ -318,3 +295,17 @@ def test_models_are_recorded_and_drawn(folder: Path, sjdsl: Sjdsl, server: Serve
     drawn = sjdsl("render", str(MATRIX), *names, "--steps", "3", "-o", "film.html")
     assert drawn.status == 0, drawn.text
     assert len(server.requests) == 30
+    # Six steps are an episode and half of the next one.
+    shared = ("render", str(MATRIX), *names, "--steps", "6", "-o", "played.html")
+    assert sjdsl(*shared).status == 0
+    assert sjdsl("render", str(MATRIX), *names, "--steps", "3", "-o", "film.gif").status == 0
+    assert len(server.requests) == 30, "they are the recorded episodes, and those of the film"
+    stopped = sjdsl("render", str(MATRIX), *names, "-o", "other.html", "--calls", "3")
+    assert (stopped.status, (folder / "other.html").exists()) == (3, False)
+    assert len(server.requests) == 33
+    write_models(folder, server.url, model="m2")
+    other = sjdsl(*shared)
+    assert "played_models holds another experiment: its policies differ" in other.err
+    assert len(server.requests) == 33
+    refused = sjdsl("render", str(MATRIX), "--policy", "stay", "--calls", "3")
+    assert "--calls are for language models, and none plays" in refused.err

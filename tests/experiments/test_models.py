@@ -3,6 +3,7 @@ resumed and limited, and results say what they rest on."""
 
 import json
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,9 @@ from sjdsl.models.hosted import hosted_policy
 from sjdsl.models.policy import Answer
 from sjdsl.replay import play_asked_episodes, play_episodes
 from sjdsl.trainers import PolicyError, evaluate, find_policy, make_config, make_train
+from sjdsl.trainers.policies import evaluation
 from sjdsl.trainers.policies.evaluation import make_host_evaluator
+from tests.models.folders import timeless
 from tests.trainers.probes import recalled
 
 FAKE = Model(name="fake", kind="fake", price=Price(1, 10))
@@ -57,26 +60,55 @@ class Nobody:
         pass
 
 
-def test_both_loops_play_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A line-up of networks, with memory and without, and of random agents, bit by bit."""
-    env = recalled()
+@pytest.mark.parametrize("make", [recalled, partial(public_goods, 4)])
+def test_both_loops_play_the_same(
+    make: Callable[[], Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A line-up of networks, with memory and without, and of random agents: step by step the same
+    states, rewards, actions and keys, and the same results, bit by bit."""
+    env = make()
     names = [str(store(tmp_path / "a", env, 1, memory="gru")), str(store(tmp_path / "b", env, 2))]
     lineup = [*names, *["random"] * (env.num_agents - 2)]
-    compiled = cross_play(env, slots=lineup, episodes=5, seed=3)
+    steps: list[Any] = []
+    advance = evaluation._advance
+
+    def noted(*arguments: Any) -> Any:
+        after, step = advance(*arguments)
+        jax.debug.callback(
+            lambda *of_step: steps.append(of_step), after.state, after.over, step, ordered=True
+        )
+        return after, step
+
+    monkeypatch.setattr(evaluation, "_advance", noted)
+
+    def played() -> tuple[Any, list[Any]]:
+        """Returns the results of a cross-play, and its steps."""
+        steps.clear()
+        results = cross_play(env, slots=lineup, episodes=5, seed=3, rotate=True)
+        jax.effects_barrier()
+        return vars(results.parts[0].played), list(steps)
+
+    compiled = played()
     nobody = Nobody()
+    tapes = []
 
     def on_host(*arguments: Any) -> Any:
         play = make_host_evaluator(*arguments)
-        return lambda key, parameters: play(key, parameters, nobody)[0]
+
+        def play_and_keep(key: Any, parameters: Any) -> Any:
+            results, tape = play(key, parameters, nobody)
+            tapes.append(tape)
+            return results
+
+        return play_and_keep
 
     monkeypatch.setattr(stacks, "make_evaluator", on_host)
-    hosted = cross_play(env, slots=lineup, episodes=5, seed=3)
-    assert len(nobody.seen) == compiled.parts[0].played.lengths.max()
-    jax.tree.map(
-        np.testing.assert_array_equal,
-        vars(compiled.parts[0].played),
-        vars(hosted.parts[0].played),
-    )
+    hosted = played()
+    assert len(nobody.seen) == len(compiled[1]) == compiled[0]["lengths"].max()
+    jax.tree.map(np.testing.assert_array_equal, compiled, hosted)
+    actions = [step[2] for _, _, step in compiled[1]]
+    np.testing.assert_array_equal(tapes[0].actions, actions)
+    assert len(np.unique(actions)) > 1
 
 
 def test_a_host_policy_acts_where_it_sits() -> None:
@@ -181,18 +213,6 @@ def diagram(folder: Path | None = None, limits: Limits | None = None) -> Any:
     return schelling_diagram(env, cooperators, defectors, episodes=3, folder=folder, limits=limits)
 
 
-def results(folder: Path) -> dict[str, str]:
-    """Returns all files of an experiment without what a clock wrote."""
-    texts = {}
-    for path in sorted(folder.rglob("*.json*")):
-        text = path.read_text()
-        if path.suffix == ".jsonl":
-            lines = [json.loads(line) for line in text.splitlines()]
-            text = json.dumps([{**line, "seconds": 0, "time": ""} for line in lines])
-        texts[str(path.relative_to(folder))] = text
-    return texts
-
-
 def test_it_goes_on_where_it_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Stopped at twenty points, with torn last lines, it ends as if it had not been; and nobody is
     asked twice."""
@@ -216,7 +236,7 @@ def test_it_goes_on_where_it_stopped(tmp_path: Path, monkeypatch: pytest.MonkeyP
             file.write('{"step": 3, "tri')
     resumed = diagram(tmp_path / "cut")
     assert len(asked) == calls
-    assert results(tmp_path / "cut") == results(tmp_path / "whole")
+    assert timeless(tmp_path / "cut") == timeless(tmp_path / "whole")
     assert (resumed.returns.everybody == whole.returns.everybody).all()
 
 

@@ -2,13 +2,17 @@
 
 import random
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
 
 import numpy as np
 import pytest
 
 from sjdsl.compiler import ir
+from sjdsl.compiler.ir.queries import all_fields
+from sjdsl.compiler.ir.types import element
 from sjdsl.compiler.lower import token_planes
+from sjdsl.interpreter.board import Board, board_of
 from sjdsl.interpreter.observe import observe
 from sjdsl.interpreter.state import World, copied
 from sjdsl.interpreter.step import action_mask, reset, step
@@ -17,15 +21,14 @@ from sjdsl.told import Past, Window, message, told
 from sjdsl.told.legal import action_lines
 from sjdsl.told.relevance import relevant
 
-from .corpus import GOLDEN, game
+from .corpus import CASES, FILES, GOLDEN, game
 
-Hide = Callable[[World, random.Random], None]
+Replace = Callable[[World], None]
+State = tuple[World, list[int], list[float]]  # with the actions and rewards that led to it
 
 
-def episode(
-    g: ir.Game, steps: int, seed: int = 0
-) -> Iterator[tuple[World, list[int], list[float]]]:
-    """Yields states with the actions and rewards that led to them; all act at random."""
+def episode(g: ir.Game, steps: int, seed: int = 0) -> Iterator[State]:
+    """Yields states; all act at random."""
     params = {param.name: param.value for param in g.params}
     chance = random.Random(seed)
     world = reset(g, params, Threefry(seed, 0))
@@ -38,18 +41,17 @@ def episode(
         yield world, actions, [float(reward) for reward in outcome.reward]
 
 
-def messages(g: ir.Game, steps: int, replace: Hide | None = None, seed: int = 0) -> str:
-    """Returns all messages of an episode; in each state, hidden fields are replaced first."""
+def messages(g: ir.Game, states: Sequence[State], replace: Replace | None = None) -> str:
+    """Returns all messages of an episode; in each state, some fields are replaced first."""
     window = Window(g, token_planes(g))
-    chance = random.Random(seed)
     past: list[list[Past]] = [[] for _ in range(g.agents.number)]
     texts = []
-    for world, actions, rewards in episode(g, steps):
+    for world, actions, rewards in states:
         for agent, action in enumerate(actions):
             past[agent].append(Past(g.agents.actions[action], rewards[agent]))
         shown = copied(world)
         if replace is not None:
-            replace(shown, chance)
+            replace(shown)
         seen = observe(g, shown)
         mask = action_mask(g, shown)
         for agent in range(g.agents.number):
@@ -59,46 +61,96 @@ def messages(g: ir.Game, steps: int, replace: Hide | None = None, seed: int = 0)
     return "\n".join(texts)
 
 
-def of_two_trees(world: World, chance: random.Random) -> None:
-    world.cells["tree", "bears"] = chance.choices(["nothing", "fruit"], k=2)
+def hidden_fields(g: ir.Game) -> list[ir.VarField]:
+    """Returns the fields that neither what agents see nor what they may do speaks of by name."""
+    blocks = [block for kind in g.kinds for block in kind.blocks]
+    shown = (g.window, *g.observables, *g.hidden, *g.agents.forbids, *g.agents.blocks, *blocks)
+    names = {observable.field for observable in g.observables}
+    for part in shown:
+        names |= {node.name for node in ir.walk(part) if isinstance(node, ir.FieldRead)}
+    return [field for field in all_fields(g) if field.name not in names and field.name != "trial"]
 
 
-def of_tasks(world: World, chance: random.Random) -> None:
-    world.fields["pay"] = tuple(chance.sample(range(10), 3))
-    world.fields["order"] = tuple(chance.choices(["red", "green", "blue"], k=3))
-    world.fields["delay"] = chance.randrange(-1, 3)
+def drawn(type_: ir.Type, chance: random.Random, board: Board) -> Any:
+    """Returns any value of a type."""
+    if type_.indexed_by:
+        keys = range(len(type_.indexed_by[0]))
+        return tuple(drawn(element(type_), chance, board) for _ in keys)
+    match type_.kind:
+        case "word":
+            return chance.choice(type_.words)
+        case "int":
+            return chance.randint(int(type_.low), int(min(type_.high, 10**6)))
+        case "real":
+            return np.float32(chance.random())
+        case "agent":
+            return chance.choice([None, *range(board.agents)])
+        case "agents":
+            agents = range(board.agents)
+            return frozenset(chance.sample(agents, chance.randint(0, len(agents))))
+        case "cell":
+            cells = [cell for cell, kind in board.kind_of.items() if kind in type_.kinds]
+            return chance.choice([None, *cells])
+    raise AssertionError(type_)
 
 
-def of_coop_mining(world: World, chance: random.Random) -> None:
-    number = len(world.cells["rock", "left"])
-    world.cells["rock", "left"] = chance.choices(range(4), k=number)
-    world.cells["rock", "miners"] = [
-        frozenset(chance.sample(range(6), chance.randrange(4))) for _ in range(number)
-    ]
+def replaced(g: ir.Game, fields: Sequence[ir.VarField], seed: int) -> Replace:
+    """Returns what gives fields other values, drawn anew for each state."""
+    chance = random.Random(seed)
+    board = board_of(g)
+
+    def replace(world: World) -> None:
+        for field in fields:
+            holder = field.held_by
+            match holder.what:
+                case "world":
+                    world.fields[field.name] = drawn(field.type, chance, board)
+                    continue
+                case "cell":
+                    values = world.cells[holder.name, field.name]
+                case "agent":
+                    values = world.agents[field.name]
+                case "mover":
+                    values = world.movers[holder.name].fields[field.name]
+            values[:] = [drawn(field.type, chance, board) for _ in values]
+
+    return replace
 
 
-HIDDEN = {"two_trees": of_two_trees, "tasks": of_tasks, "coop_mining": of_coop_mining}
+# Games whose fields are all seen in windows, or read by what is.
+ALL_SHOWN = {
+    *("chicken", "coins", "harvest_closed", "harvest_open", "harvest_partnership", "lb_foraging"),
+    *("orchard", "pd_arena", "stag_hunt"),
+}
+HIDING = [
+    pytest.param(name, marks=pytest.mark.thorough if path.parent.name == "meltingpot" else ())
+    for name, path in {**FILES, "tasks": CASES["tasks"]}.items()
+    if name not in ALL_SHOWN
+]
 
 
-@pytest.mark.parametrize(
-    "name", ["two_trees", "tasks", pytest.param("coop_mining", marks=pytest.mark.thorough)]
-)
+def test_other_games_hide_nothing() -> None:
+    assert all(hidden_fields(game(name)) == [] for name in ALL_SHOWN)
+
+
+@pytest.mark.parametrize("name", HIDING)
 def test_no_message_depends_on_what_is_hidden(name: str) -> None:
-    steps = 4 if name == "coop_mining" else 9
-    plain = messages(game(name), steps)
+    g = game(name)
+    hidden = hidden_fields(g)
+    assert hidden
+    states = list(episode(g, 3))
+    plain = messages(g, states)
     for seed in range(20):
-        assert messages(game(name), steps, HIDDEN[name], seed) == plain
+        assert messages(g, states, replaced(g, hidden, seed)) == plain
 
 
 def test_a_message_depends_on_what_is_shown() -> None:
     """The test above could tell: here a field that is shown is replaced."""
-
-    def of_feeding(world: World, chance: random.Random) -> None:
-        world.fields["feeding"] = chance.choice(["green", "blue"])
-
-    assert messages(game("tasks"), 3, of_feeding) != messages(game("tasks"), 3)
-    laden = messages(game("two_trees+told"), 3, of_two_trees, seed=1)
-    assert laden != messages(game("two_trees+told"), 3, of_two_trees, seed=2)
+    for name, field in (("tasks", "feeding"), ("two_trees+told", "bears")):
+        g = game(name)
+        fields = [one for one in all_fields(g) if one.name == field]
+        states = list(episode(g, 3))
+        assert messages(g, states, replaced(g, fields, 1)) != messages(g, states)
 
 
 PLAYED = ["clean_up", "clean_up+socialjax", "reputation", "ferry", "two_trees", "predator_prey"]
@@ -195,7 +247,10 @@ def test_who_is_away_sees_nothing() -> None:
 
 
 def test_a_message_is_as_it_was(golden) -> None:
-    texts = messages(game("two_trees"), 2), messages(game("territory"), 1)
+    texts = [
+        messages(game(name), list(episode(game(name), steps)))
+        for name, steps in (("two_trees", 2), ("territory", 1))
+    ]
     golden(GOLDEN / "messages.txt", "\n=====\n".join(texts))
 
 

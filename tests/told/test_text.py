@@ -77,9 +77,13 @@ def names_of(g: ir.Game) -> set[str]:
 
 
 def check_names(name: str) -> None:
+    """Checks that each is told as a whole word, not as a part of another one."""
     text = told(game(name))
-    words = set(re.findall(r"\w+", text))
-    absent = {one for one in names_of(game(name)) if one not in words and one not in text}
+    absent = {
+        one
+        for one in names_of(game(name))
+        if not re.search(rf"(?<!\w){re.escape(one)}(?!\w)", text)
+    }
     assert {f"{name} {one}" for one in absent} <= UNTOLD
 
 
