@@ -282,18 +282,15 @@ def _forms(*parts: ir.Expr | None) -> Form:
 def _place_writes(
     s: ir.Send | ir.Shift | ir.Remove, value: Form, depends: frozenset[str], around: Around
 ) -> Iterator[Write]:
-    """Yields the writes of a place, and of the heading that comes with it."""
-    entity_type = body_type(s.who)
-    yield Write("place", Target("place", entity_type.name), s.who, value, depends, s, around)
-    if isinstance(s, ir.Remove) or s.facing == "same":
-        return
-    if entity_type.what == "mover":  # its heading is a field
-        heading = Target("mover", "heading", entity_type.names)
-    elif around.turns_agents:
-        heading = Target("agent", "heading")
-    else:
-        return
-    yield Write("set", heading, s.who, value, depends, s, around)
+    """Yields the write of a place, and that of the heading with which one arrives there."""
+    body = body_type(s.who)
+    place = Target("place", body.name)
+    yield Write("place", place, s.who, value, depends, s, around)
+    turns = not isinstance(s, ir.Remove) and s.facing != "same"
+    # Rules can set the heading of a mover anywhere, as it is a field; that of an agent by `face`.
+    if turns and (body.what == "mover" or around.turns_agents):
+        heading = Target(body.what, "heading", body.names)
+        yield Write("set", heading, s.who, value, depends, s, around)
 
 
 def _field_write(s: ir.Set | ir.Add, around: Around) -> Write:

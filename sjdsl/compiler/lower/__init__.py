@@ -83,11 +83,11 @@ from sjdsl.compiler.program.expressions import (
     Where,
     as_array,
     call,
+    concatenated,
     constant,
     live,
     path,
     reduction,
-    scalar,
     zeros,
 )
 from sjdsl.runtime.fields import StateField
@@ -370,9 +370,7 @@ def _all_marks(phase: ir.Phase, w: Writer) -> Expression:
     missing = mark_size(phase, w.game) - sum(w.marked.values())
     if missing:
         parts.append(zeros("i32", missing))
-    if len(parts) == 1:
-        return parts[0]
-    return call("jnp.concatenate", parts)
+    return concatenated(parts)
 
 
 def _written(phase: ir.Phase, sources: Mapping[str, Source]) -> str:
@@ -380,9 +378,13 @@ def _written(phase: ir.Phase, sources: Mapping[str, Source]) -> str:
     span = phase.origin
     if span is None or span.file not in sources:
         return f"Phase `{phase.label}`."
-    first, *rest = sources[span.file].text[span.start : span.end].splitlines()
+    text = sources[span.file].text[span.start : span.end]
+    first, *others = text.splitlines()
     margin = re.compile(rf"\s{{0,{span.column - 1}}}")
-    return "\n".join([first, *(margin.sub("", line, count=1).rstrip() for line in rest)])
+    lines = [first]
+    for line in others:
+        lines.append(margin.sub("", line, count=1).rstrip())
+    return "\n".join(lines)
 
 
 def _tick(pools: Pools, module: Module) -> Function:
@@ -413,14 +415,13 @@ def _tick(pools: Pools, module: Module) -> Function:
 def _measures(module: Module) -> Function:
     """Returns the function that computes the metrics of a state."""
     w = Writer(module, "measures")
-    values = []
+    values = {}
     for measure in module.game.measures:
         w.origin = measure.origin
         value = as_dtype(w.value(measure.value, IterationScope()), "f32")
-        node = scalar(value.node, "f32") if value.literal else value.node
-        values.append((measure.name, node))
+        values[measure.name] = value.array.node
     w.origin = None
-    w.give_back(constant(dict(values)))
+    w.give_back(constant(values))
     doc = "Returns the `mean` and `final` values at the end of a step: float32 scalars by name."
     return Function("measures", READING, "dict[str, Array]", doc, live(w.body))
 

@@ -12,7 +12,6 @@ instances that name one entry writes it. What is added is collected, and written
 
 from collections import Counter
 from dataclasses import replace
-from math import prod
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
@@ -29,12 +28,14 @@ from sjdsl.compiler.lower.axes import (
     as_dtype,
     axes_of,
     broadcast,
+    common,
     iota,
     joined,
     literal,
     one_hot,
     reduce,
     select,
+    size_of,
     spread,
     taken,
     union,
@@ -330,7 +331,7 @@ def _write(target: Target, value: Value, w: Writer) -> None:
     if owner_axes is None:
         _scatter(target, key, value, w)
         return
-    if key is not None and any(axis.size > 1 for axis in without(key.axes, owner_axes)):
+    if key is not None and size_of(without(key.axes, owner_axes)) > 1:
         _scatter(target, key, value, w)
         return
     dtype = state_reads.storage(target.declared, w)
@@ -361,10 +362,10 @@ def _of_the_one(value: Value, over: Axes, mask: Value) -> Value:
     unless at most one instance writes each target: then they have length 1, or `mask` holds for one
     instance at most.
     """
-    differing = tuple(axis for axis in over if axis in value.axes)
+    differing = common(over, value.axes)
     if not differing:
         return value
-    if any(axis.size > 1 for axis in differing):
+    if size_of(differing) > 1:
         assert mask != TRUE, over
         # All but one instance add 0.
         number: DType = value.dtype if value.dtype in ("f32", "u32") else "i32"
@@ -453,8 +454,8 @@ def add(s: ir.Add, scope: IterationScope, w: Writer) -> None:
 def _count_terms(target: Target, s: ir.Add, w: Writer) -> None:
     """Counts the terms of an exact sum, and refuses too many."""
     separate = target.owner_axes or ()  # each member of these has a sum of its own
-    summed = prod(axis.size for axis in target.scope.axes if axis not in separate)
-    terms = w.terms.get(target.attribute, 0) + summed
+    summed = without(target.scope.axes, separate)
+    terms = w.terms.get(target.attribute, 0) + size_of(summed)
     if terms >= MOST_TERMS:
         feature = (
             f"{MOST_TERMS:,} or more additions in a phase to a real field that decides something"
@@ -476,8 +477,8 @@ def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None
         row = select(one_hot(key, entries), terms, 0)
         terms = replace(row, node=aligned(row, (*axes, entries)), axes=axes, levels=1)
     if is_exact:
-        reals = scalar(terms.node, "f32") if terms.literal else terms.node
-        terms = Value(call("fixed_point", reals), "i32", terms.axes, terms.levels + 1)
+        digits = call("fixed_point", terms.array.node)
+        terms = Value(digits, "i32", terms.axes, terms.levels + 1)
     if target.owner_axes is not None:
         total = _total(target, target.owner_axes, terms, is_exact)
     else:
@@ -539,7 +540,7 @@ def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
     axis = None
     if isinstance(s.value, ir.Member):
         axis = target.scope.variables[s.value.name].axis
-    adds_each_once = axis in axes and all(a.size == 1 for a in axes if a != axis)
+    adds_each_once = axis in axes and size_of(axes) == axis.size
     sets: Expression
     if who is None:
         sets = _folded(places, masked_number.node, sizes, w)

@@ -6,7 +6,6 @@ Who receives may also be a computed agent, a set of agents, or all of them. Wher
 the same amount, how often each agent gets it is counted, which is cheaper than adding amounts.
 """
 
-import math
 from dataclasses import replace
 
 from sjdsl.compiler import ir
@@ -20,11 +19,13 @@ from sjdsl.compiler.lower.axes import (
     aligned,
     as_dtype,
     axes_of,
+    common,
     joined,
     literal,
     one_hot,
     reduce,
     select,
+    size_of,
     spread,
     without,
 )
@@ -124,7 +125,7 @@ def _received(e: ir.Expr, amount: Value, scope: IterationScope, w: Writer, name:
       name: in generated code, of the number of times that each agent gets the amount.
     """
     axis = w.axis("receiver", w.module.agents)
-    is_large = math.prod(a.size for a in scope.axes) >= MANY
+    is_large = size_of(scope.axes) >= MANY
     by_bits = is_large and not amount.axes and axis.size <= 32
     if e.type.kind == "agents":
         members = w.value(e, scope)
@@ -146,7 +147,7 @@ def _summed_by_agent(
     receivers: Value, amount: Value, axis: Axis, scope: IterationScope, w: Writer, name: str
 ) -> Value:
     """Returns what each agent gets from all instances, each of which names one by its number."""
-    is_same = not any(a in amount.axes for a in scope.axes)
+    is_same = not common(scope.axes, amount.axes)
     amounts = scope.mask if is_same else select(scope.mask, amount, 0)
     axes = axes_of(receivers, amounts)
     node = call("segment_sum", spread(amounts, axes), spread(receivers, axes), axis.extent)
@@ -158,7 +159,7 @@ def _summed_by_agent(
 
 def _repetitions(scope: IterationScope, axes: Axes) -> Value:
     """Returns how many instances there are for each entry of an array over some of their axes."""
-    return literal(math.prod(axis.size for axis in without(scope.axes, axes)), "i32")
+    return literal(size_of(without(scope.axes, axes)), "i32")
 
 
 def _sets_of_one(who: AgentVar, scope: IterationScope, w: Writer) -> Value:
@@ -189,7 +190,7 @@ def _summed(receives: Value, amount: Value, over: Axes, w: Writer, name: str) ->
     """Returns the sum of the amounts along the axes `over`, where `receives` holds."""
     if receives == TRUE:
         return reduce("sum", amount, over)
-    if over and not any(axis in amount.axes for axis in over):
+    if over and not common(over, amount.axes):
         return _times(w.keep(name, reduce("sum", receives, over)), amount)
     return reduce("sum", select(receives, amount, 0), over)
 

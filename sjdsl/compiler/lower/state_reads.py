@@ -2,13 +2,12 @@
 
 from collections.abc import Iterable
 from dataclasses import replace
-from math import prod
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.names import attribute_name, attribute_of
 from sjdsl.compiler.ir.queries import body_types, sets
-from sjdsl.compiler.lower.axes import TRUE, Axis, Value, as_dtype, looked_up, select
+from sjdsl.compiler.lower.axes import TRUE, Axis, Value, as_dtype, looked_up, select, size_of
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
@@ -17,6 +16,7 @@ from sjdsl.compiler.program.expressions import (
     Expression,
     Name,
     call,
+    concatenated,
     path,
     reduction,
 )
@@ -61,8 +61,8 @@ def field(e: ir.FieldRead, owner: Variable | None, w: Writer) -> Value:
 def _looked_up(owner: Variable, stored: Value, w: Writer) -> Value:
     """Returns what `_entries_of` does; for many computed cells, `stored` goes into memory first."""
     if isinstance(owner, CellVar) and owner.axis is None:
-        num_lookups = prod(axis.size for axis in owner.number.axes)
-        if num_lookups >= max(MANY, w.layout.num_cells(owner.kinds)):
+        many = max(MANY, w.layout.num_cells(owner.kinds))
+        if size_of(owner.number.axes) >= many:
             node = call("looked_up", stored.node, owner.number.node)
             return replace(stored, node=node, axes=owner.number.axes)
     return _entries_of(owner, stored)
@@ -190,11 +190,9 @@ def everybody(w: Writer, entity_type: ir.EntityType) -> AgentVar:
 def all_positions(w: Writer, but: ir.EntityType | None = None) -> Expression:
     """Returns the cells in the frame of all agents and movers, without those of the type `but`."""
     entity_types = [entity_type for entity_type in body_types(w.game) if entity_type != but]
-    if len(entity_types) == 1:
-        return positions(w, entity_types[0])
     parts = [positions(w, entity_type) for entity_type in entity_types]
     name = "bodies" if but is None else "others"
-    return w.keep_node(name, call("jnp.concatenate", parts), "i32")
+    return w.keep_node(name, concatenated(parts), "i32")
 
 
 def cell(owner: CellVar, w: Writer) -> Value:

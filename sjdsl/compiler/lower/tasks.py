@@ -12,7 +12,16 @@ from sjdsl.compiler.ir.task_rows import (
 from sjdsl.compiler.lower.draws import KEY
 from sjdsl.compiler.lower.writer import Module, Writer, replaced
 from sjdsl.compiler.program import Function
-from sjdsl.compiler.program.expressions import Cast, Expression, Literal, Name, call, live, path
+from sjdsl.compiler.program.expressions import (
+    Cast,
+    Expression,
+    Literal,
+    Name,
+    call,
+    concatenated,
+    live,
+    path,
+)
 
 OF_SIDE = "task_of_side"
 NUMBERS = "task_numbers"
@@ -120,8 +129,7 @@ def _task_numbers(task: ir.Task, module: Module) -> Function:
     for drawn in drawn_fields(task):
         value = path(f"state.world_{drawn.name}")
         fields.append(Cast(value, "i32") if drawn.by is not None else value[None])
-    numbers = fields[0] if len(fields) == 1 else call("jnp.concatenate", fields)
-    w.give_back(numbers)
+    w.give_back(concatenated(fields))
     parts = sum(len(parts_of(drawn)) for drawn in drawn_fields(task))
     doc = f"Returns the task that is drawn from a key as numbers: `[{parts}]` int32."
     return Function(NUMBERS, (("key", "Array"),), "Array", doc, live(w.body))
