@@ -393,9 +393,11 @@ def _entry(
 ) -> Value:
     """Returns a field of rows with the value at the key's entry where the mask holds."""
     if key.literal:
-        new = select(mask, value, taken(before, key.node, before.levels - 1))
-        of_sets = {"axis": -2} if before.levels > 1 else {}
-        return replace(before, node=call("set_entry", before.node, key.node, new.node, **of_sets))
+        old = taken(before, key.node, before.levels - 1)
+        new = select(mask, value, old)
+        keywords = {"axis": -2} if before.levels > 1 else {}  # behind it are the numbers of a set
+        node = call("set_entry", before.node, key.node, new.node, **keywords)
+        return replace(before, node=node)
     entries = w.axis("entry", target.num_entries(w))
     row = replace(before, axes=(*before.axes, entries), levels=before.levels - 1)
     after = select(one_hot(key, entries) & mask, value, row)
@@ -485,7 +487,7 @@ def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None
         assert target.who is not None
         total = _scattered(target, target.who, terms, is_exact, w)
     sums = w.added.setdefault(target.attribute, [])
-    sums.append(w.keep(f"{target.attribute}_added", total))
+    sums.append(w.keep(f"{target.attribute}_added", total).node)
 
 
 def _total(target: Target, owner_axes: Axes, terms: Value, is_exact: bool) -> Value:
@@ -507,13 +509,16 @@ def _scattered(target: Target, who: Variable, terms: Value, is_exact: bool, w: W
     axes = axes_of(who.number, terms)
     total = reduce("sum", terms, without(target.scope.axes, axes))
     extent = w.module.extent(who.entity_type)
-    levels = target.read.type.indexed_by
-    none = zeros("f32" if is_exact else total.dtype, extent, *map(w.module.num_entries, levels))
+    row = map(w.module.num_entries, target.read.type.indexed_by)
+    dtype = "f32" if is_exact else total.dtype
+    none = zeros(dtype, extent, *row)
     if is_exact:
         none = call("fixed_point", none)
-    sums = written("add_at", none, (spread(who.number, axes),), aligned(total, axes))
+    places = spread(who.number, axes)
+    sums = written("add_at", none, (places,), aligned(total, axes))
     everybody = Axis(f"all of {target.attribute}", extent.size, 0)
-    return Value(sums, total.dtype, (everybody,), len(levels) + is_exact)
+    levels = len(target.read.type.indexed_by) + is_exact
+    return Value(sums, total.dtype, (everybody,), levels)
 
 
 def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
@@ -577,21 +582,24 @@ def _folded(
 
 def finish(w: Writer) -> None:
     """Writes what the `add`s of a phase have collected: sums, clipped if capped, and sets."""
+    declared_by_attribute = {attribute_name(field): field for field in all_fields(w.game)}
     for attribute, sums in w.added.items():
-        declared = next(f for f in all_fields(w.game) if attribute_name(f) == attribute)
+        declared = declared_by_attribute[attribute]
         stored_dtype = state_reads.storage(declared, w)
-        dtype: DType = "i32" if declared.type.kind == "int" else "f32"
-        node = as_dtype(Value(w.current(attribute), stored_dtype), dtype).node
+        is_whole = declared.type.kind == "int"
+        before = Value(w.current(attribute), stored_dtype)
+        node = as_dtype(before, "i32" if is_whole else "f32").node
         is_exact = attribute in w.terms
         if is_exact:
             node = call("fixed_point", node)
-        node = _combined("+", node, [total.node for total in sums], attribute, w)
+        node = _combined("+", node, sums, attribute, w)
         if is_exact:
             node = call("rounded", node)
         if declared.capped:
-            number = float if dtype == "f32" else int
+            number = int if is_whole else float
             low = number(declared.type.low)
-            node = call("jnp.clip", node, low, number(declared.type.high))
+            high = number(declared.type.high)
+            node = call("jnp.clip", node, low, high)
         if stored_dtype not in ("i32", "f32"):
             node = Cast(node, stored_dtype)
         w.assign(attribute, node)

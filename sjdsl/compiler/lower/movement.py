@@ -169,18 +169,18 @@ def _open_direction(
     entry = position * 4 + iota(directions).node[None, :]
     beside = w.keep("beside", Value(_next_table(mover.entity_type, w)[entry], "i32", axes))
     taken = call("is_one_of", beside.node, state_reads.all_positions(w))
-    leads_away = beside.node.ne(position)
-    is_open = Value(leads_away & ~taken, "bool", axes)
+    is_elsewhere = beside.node.ne(position)  # a step that is blocked leads to the mover's own cell
+    is_open = Value(is_elsewhere & ~taken, "bool", axes)
     for block, kind in conditional_blocks(mover.entity_type.plural, w):
         is_open = is_open & ~blocked_by(block, kind, beside, w, mover)
     if course.avoided is not None and not is_empty(course.avoided, w):
         cells, is_member = _members(course.avoided, scope, axis, w)
         avoided = Where(is_member, cells, Literal(-1))  # a row of cells for each mover
-        within = call("is_one_of", beside.node, avoided[:, None, :])
-        is_open = is_open & Value(~within, "bool", axes)
+        is_avoided = call("is_one_of", beside.node, avoided[:, None, :])
+        is_open = is_open & Value(~is_avoided, "bool", axes)
     if course.goal is not None:
-        better = _better(course.goal, course.away, scope, mover, axis, w)
-        is_open = is_open & Value(better, "bool", axes)
+        is_better = _better(course.goal, course.away, scope, mover, axis, w)
+        is_open = is_open & Value(is_better, "bool", axes)
     bits = bits_of_each(course.stream, mover.entity_type, w)
     direction, has_way = w.keep_parts(("way", "found"), call("pick", is_open.node, bits))
     goes = w.keep("goes", scope.mask & Value(has_way, "bool", (axis,)))

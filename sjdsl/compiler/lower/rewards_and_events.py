@@ -150,11 +150,12 @@ def _summed_by_agent(
     is_same = not common(scope.axes, amount.axes)
     amounts = scope.mask if is_same else select(scope.mask, amount, 0)
     axes = axes_of(receivers, amounts)
-    node = call("segment_sum", spread(amounts, axes), spread(receivers, axes), axis.extent)
+    sums = call("segment_sum", spread(amounts, axes), spread(receivers, axes), axis.extent)
     repeated = _repetitions(scope, axes)
-    if is_same:
-        return _times(repeated * w.keep(name, Value(node, "i32", (axis,))), amount)
-    return _times(repeated, Value(node, amount.dtype, (axis,)))
+    if not is_same:
+        return _times(repeated, Value(sums, amount.dtype, (axis,)))
+    count = w.keep(name, Value(sums, "i32", (axis,)))
+    return _times(repeated * count, amount)
 
 
 def _repetitions(scope: IterationScope, axes: Axes) -> Value:

@@ -86,11 +86,11 @@ def _group_field(e: ir.FieldRead, owner: CellVar, w: Writer) -> Value:
     """
     group = "_".join(owner.kinds)
     fields = [w.module.field(e, kind) for kind in owner.kinds]
+    vectors = [w.stored(attribute_name(field)) for field in fields]
     table = w.layout.order_table(owner.kinds)
     order = w.module.constant(f"order_{group}", table, "cells of a group in reading order")
-    vectors = [w.stored(attribute_name(f)) for f in fields]
-    concatenated = Value(call("jnp.concatenate", vectors)[order], storage(fields[0], w))
-    whole = w.keep(f"{group}_{e.name}", concatenated)
+    in_order = Value(concatenated(vectors)[order], storage(fields[0], w))
+    whole = w.keep(f"{group}_{e.name}", in_order)
     whole = replace(whole, levels=w.module.levels(e.type))
     return _widened(_looked_up(owner, whole, w), fields[0].type)
 
@@ -182,9 +182,9 @@ def positions(w: Writer, entity_type: ir.EntityType = AGENTS) -> Expression:
 def everybody(w: Writer, entity_type: ir.EntityType) -> AgentVar:
     """Returns all agents or movers, for expressions that don't read their numbers."""
     extent = w.module.extent(entity_type)
-    return AgentVar(
-        Value(Name(entity_type.plural), "i32"), Axis("", extent.size, 0, extent.name), entity_type
-    )
+    unread = Value(Name(entity_type.plural), "i32")
+    axis = Axis("", extent.size, 0, extent.name)
+    return AgentVar(unread, axis, entity_type)
 
 
 def all_positions(w: Writer, but: ir.EntityType | None = None) -> Expression:

@@ -36,9 +36,10 @@ def next_trial(
     for phase in beginning_phases(game):
         w.set(Name("begun"), started(phase, state))
         written = _attributes_written_by(phase)
-        lost = {
-            attribute: path(f"laid.{attribute}") for attribute in attributes if attribute in written
-        }
+        lost: dict[str, Expression] = {}
+        for attribute in attributes:
+            if attribute in written:
+                lost[attribute] = path(f"laid.{attribute}")
         state = replaced("begun", _unless_last("begun", lost))
     w.give_back(state)
     doc = (
@@ -61,9 +62,13 @@ def _kept_attributes(game: ir.Game, trials: ir.Trials) -> list[str]:
     """Returns the attributes of State that are kept, those of the task too, but not `trial`."""
     kept = {(field.held_by, field.name) for field in trials.kept}
     if game.task is not None:
-        kept |= {(ir.EntityType("world"), name) for name in game.task.fields}
-    fields = [field for field in all_fields(game) if (field.held_by, field.name) in kept]
-    return [attribute_name(field) for field in fields]
+        world = ir.EntityType("world")
+        kept |= {(world, name) for name in game.task.fields}
+    attributes = []
+    for field in all_fields(game):
+        if (field.held_by, field.name) in kept:
+            attributes.append(attribute_name(field))
+    return attributes
 
 
 def _attributes_written_by(phase: ir.Phase) -> set[str]:
