@@ -34,9 +34,7 @@ def pick(member: Array, draw: Array) -> tuple[Array, Array]:
       `[...]` int32, its number among the candidates, undefined if there is no member; and `[...]`
       bool, whether there is one.
     """
-    packed = bits.pack(member)
-    size = bits.size_of_large_set(packed)
-    return bits.nth(packed, below(draw, size)), size > 0
+    return pick_of_large_set(bits.pack(member), draw)
 
 
 def pick_of_set(sets: Array, draw: Array) -> tuple[Array, Array]:
@@ -47,13 +45,15 @@ def pick_of_set(sets: Array, draw: Array) -> tuple[Array, Array]:
       draw: uint32 of that shape, or with more axes, for several draws from one set.
     """
     size = bits.size_of_set(sets)
-    return bits.nth_bit(sets, below(draw, size)), jnp.broadcast_to(size > 0, draw.shape)
+    member = bits.nth_bit(sets, below(draw, size))
+    return member, jnp.broadcast_to(size > 0, draw.shape)
 
 
 def pick_of_large_set(sets: Array, draw: Array) -> tuple[Array, Array]:
     """Returns what `pick_of_set` does, of sets kept as bits in several words: `[..., W]` uint32."""
     size = bits.size_of_large_set(sets)
-    return bits.nth(sets, below(draw, size)), jnp.broadcast_to(size > 0, draw.shape)
+    member = bits.nth(sets, below(draw, size))
+    return member, jnp.broadcast_to(size > 0, draw.shape)
 
 
 def pick_of_sets(members: Array, key: Array, draws_of: Callable[[Array], Array]) -> Array:

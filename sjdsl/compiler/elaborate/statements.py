@@ -326,9 +326,9 @@ def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, streams: Stream
             return ir.First(domain=members, body=body, origin=s.span)
         case ast.Pick():
             assert number is not None
-            otherwise = (
-                () if s.otherwise is None else other_branch(s.otherwise, header, scope, streams)
-            )
+            otherwise: tuple[ir.Stmt, ...] = ()
+            if s.otherwise is not None:
+                otherwise = other_branch(s.otherwise, header, scope, streams)
             return ir.Pick(
                 number=number,
                 most=int(min(max(number.type.high, 0), limits.MAX_DRAWN)),
