@@ -49,6 +49,7 @@ from sjdsl.compiler.lower.allowed_actions import NUM_ACTIONS, READING, allowed_a
 from sjdsl.compiler.lower.assignments import fields_of_several_lots
 from sjdsl.compiler.lower.assignments import finish as finish_writes
 from sjdsl.compiler.lower.axes import as_dtype
+from sjdsl.compiler.lower.beginning import begun
 from sjdsl.compiler.lower.cell_appearance import token_planes
 from sjdsl.compiler.lower.draws import KEY
 from sjdsl.compiler.lower.map_tables import Layout
@@ -160,11 +161,10 @@ def _program(game: ir.Game, source: str, module: Module) -> Program:
     phases = dict.fromkeys(turn.function for turn in turns)
     beginning = [_reset(game, module)]
     if game.trials is not None:
-        laid = _laid(game, module)
-        beginning.append(next_trial(game, game.trials, laid, started, module))
+        beginning.append(next_trial(game, game.trials, _laid(game, module), module))
     if game.task is not None:
         beginning.append(_phase(game.task.draw, (), module))
-        beginning += functions_of_task(game.task, _drawn(game.task), module)
+        beginning += functions_of_task(game.task, module)
     functions = (*constructors, *beginning, _step(turns, module), *starts, *phases, *others)
     constants, numbers = _used(functions, module)
     hash_ = game_hash(game)
@@ -261,10 +261,10 @@ def _constructor(name: str, class_: str, doc: str, fields: list[Field]) -> Funct
 
 def _reset(game: ir.Game, module: Module) -> Function:
     w = Writer(module)
-    state = started(game.start, _laid(game, module))
+    state = begun(game.start, _laid(game, module))
     for phase in game.starting:
         w.set(STATE, state)
-        state = started(phase, STATE)
+        state = begun(phase, STATE)
     w.give_back(state)
     doc = "Returns the first state of an episode. `key`: two uint32 words."
     parameters = (("params", "Params"), ("key", "Array"))
@@ -275,18 +275,7 @@ def _laid(game: ir.Game, module: Module) -> Expression:
     """Returns the state before `start`: what is declared, and the task of the episode."""
     if game.task is None:
         return call("initial_state")
-    return task_of_episode(game.task, module) or _drawn(game.task)
-
-
-def _drawn(task: ir.Task) -> Expression:
-    """Returns the state before `start`, with any task."""
-    return started(task.draw, call("initial_state"))
-
-
-def started(phase: ir.Phase, before: Expression) -> Expression:
-    """Returns the state in which a phase before the first step leaves another."""
-    actions = call("jnp.full", Name("NUM_AGENTS"), STAY, DTYPES["i32"])
-    return call(phase.name, before, call("no_outcome"), PARAMS, actions, KEY)[0]
+    return task_of_episode(game.task, module)
 
 
 def _step(turns: list[Turn], module: Module) -> Function:
