@@ -288,7 +288,7 @@ def _place_writes(
     place = Target("place", body.name)
     yield Write("place", place, s.who, value, depends, s, around)
     turns = not isinstance(s, ir.Remove) and s.facing != "same"
-    # Rules can set the heading of a mover anywhere, as it is a field; that of an agent by `face`.
+    # A mover's heading is a field like others; an agent's matters only if some statement sets it.
     if turns and (body.what == "mover" or around.turns_agents):
         heading = Target(body.what, "heading", body.names)
         yield Write("set", heading, s.who, value, depends, s, around)

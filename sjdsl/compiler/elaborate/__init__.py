@@ -72,8 +72,9 @@ def _typed_game(
 ) -> ir.Game | None:
     """Returns the typed game; None if a part of it is missing.
 
-    Every part is elaborated even so: `problems` gets the mistakes of all. A part comes behind those
-    that say what is known in it, and those that use what it reports as unused or unseen.
+    Every part is elaborated even so: `problems` gets the mistakes of all. The order matters: later
+    parts know the length of an episode and the `require`s, and what agents see is compared with all
+    rules.
     """
     scope = Scope(static, problems)
     checks_scope = Scope(static, problems, part="checks", events_readable=True)
