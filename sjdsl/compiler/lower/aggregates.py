@@ -31,7 +31,6 @@ from sjdsl.compiler.program.expressions import (
     Lambda,
     Unary,
     call,
-    constant,
     path,
 )
 
@@ -180,8 +179,9 @@ def _number_on_map(d: ir.Domain, w: Writer) -> Value | None:
 def _exact_sum(values: Value, over: Axes) -> Value:
     """Returns the sum of reals over axes, which decides something."""
     axes = union(values.axes, over)
-    places = constant(tuple(axes.index(axis) for axis in over))
-    return Value(call("exact_sum", spread(values, axes), places), "f32", without(axes, over))
+    places = tuple(axes.index(axis) for axis in over)
+    node = call("exact_sum", spread(values, axes), places)
+    return Value(node, "f32", without(axes, over))
 
 
 def extreme(e: ir.Extreme, scope: IterationScope, w: Writer) -> Value:
@@ -267,4 +267,5 @@ def _near(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
         other = CellVar(iota(axis), d.var.kinds, axis)
         member = w.value(d.where, scope.binding(d.var.name, other))
     vector = member.node if axis in member.axes else spread(member, (axis,))
-    return w.keep("near", Value(call("count_near", vector, table), "i32", (anchor.axis,)))
+    near = call("count_near", vector, table)
+    return w.keep("near", Value(near, "i32", (anchor.axis,)))

@@ -227,7 +227,8 @@ def sites_in(
         site = Value(neighbours, "i32", (*anchor.number.axes, axis))
         return site, state_reads.is_site(site, kinds, w)
     swept = sweep(near, scope, w)
-    site = w.keep(_site_name(near, kinds), state_reads.site_at(swept.cells, kinds, w))
+    numbers = state_reads.site_at(swept.cells, kinds, w)
+    site = w.keep(_site_name(near, kinds), numbers)
     return site, state_reads.is_site(site, kinds, w) & swept.unblocked
 
 

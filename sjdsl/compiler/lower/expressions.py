@@ -73,7 +73,8 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
         case ir.Local():
             return scope.locals[e.name]
         case ir.FieldRead():
-            return state_reads.field(e, None if e.owner is None else owner(e.owner, scope, w), w)
+            holder = None if e.owner is None else owner(e.owner, scope, w)
+            return state_reads.field(e, holder, w)
         case ir.Attribute():
             return attribute(e, scope, w)
         case ir.Distance():
@@ -110,7 +111,8 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             assert isinstance(cell, CellVar)
             return ~state_reads.occupied(cell, w)
         case ir.StandsOn():
-            _, is_on = state_reads.site_under(agent(e.agent, scope, w), e.kinds, w)
+            who = agent(e.agent, scope, w)
+            _, is_on = state_reads.site_under(who, e.kinds, w)
             return is_on
         case ir.StandsAt():
             # One that is away is on cell 0 of the frame, which is no cell of the map.
@@ -152,7 +154,8 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             is_short = value.dtype == "bool" and len(list(walk(value.node))) < LARGE
             return value if is_short else w.keep(e.name, value)
         case ir.Narrowed():
-            return to_words(lower(e.value, scope, w), e.value.type.words, e.type.words, w)
+            word = lower(e.value, scope, w)
+            return to_words(word, e.value.type.words, e.type.words, w)
         case ir.Before():
             with w.reading("before"):  # a parameter of the functions of checks
                 return lower(e.value, scope, w)

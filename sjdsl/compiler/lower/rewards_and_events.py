@@ -81,9 +81,11 @@ def tally(s: ir.Tally, scope: IterationScope, w: Writer) -> None:
         if agents is not None and scope.axes == (agents,):
             # All entries at once: one sum instead of an update for each.
             entries = w.axis("word", w.module.num_entries(event.by))
-            counts = _received(s.receiver, amount, scope.when(one_hot(key, entries)), w, s.event)
+            inner = scope.when(one_hot(key, entries))
+            counts = _received(s.receiver, amount, inner, w, s.event)
             # The key may be the same for all agents.
-            deliver(attribute, replace(counts, node=aligned(counts, (agents, entries))), w)
+            rows = aligned(counts, (agents, entries))
+            deliver(attribute, replace(counts, node=rows), w)
             return
     for entry in event.by.entries:
         place = as_dtype(w.module.entry(entry), key.dtype)
@@ -130,13 +132,17 @@ def _received(e: ir.Expr, amount: Value, scope: IterationScope, w: Writer, name:
     if e.type.kind == "agents":
         members = w.value(e, scope)
         if by_bits:
-            return _counted(select(scope.mask, members, 0), amount, axis, scope, w, name)
-        return _summed(scope.mask & in_set(members, axis), amount, scope.axes, w, name)
+            sets = select(scope.mask, members, 0)
+            return _counted(sets, amount, axis, scope, w, name)
+        receives = scope.mask & in_set(members, axis)
+        return _summed(receives, amount, scope.axes, w, name)
     who = agent(e, scope, w)
     if who.axis is not None:
-        return _summed(scope.mask, amount, without(scope.axes, (who.axis,)), w, name)
+        others = without(scope.axes, (who.axis,))
+        return _summed(scope.mask, amount, others, w, name)
     if by_bits:
-        return _counted(_sets_of_one(who, scope, w), amount, axis, scope, w, name)
+        sets = _sets_of_one(who, scope, w)
+        return _counted(sets, amount, axis, scope, w, name)
     if scope.mask == TRUE or not who.number.axes:
         receives = scope.mask & one_hot(who.number, axis)
         return _summed(receives, amount, scope.axes, w, name)

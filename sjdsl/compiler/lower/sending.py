@@ -86,7 +86,8 @@ class Sends:
             return
         can_be_now = s.after.type.low <= 0
         fitting = _fitting(s, scope, w) if can_be_now else None
-        delays = _delays(s, as_dtype(w.value(s.after, scope), "i32"), scope, w)
+        delay = as_dtype(w.value(s.after, scope), "i32")
+        delays = _delays(s, delay, scope, w)
         if can_be_now:
             sent_now = w.keep_node("at_once", sent & delays.eq(0), "bool")
             at_once.append(Sent(s, sent_now, fitting, way))

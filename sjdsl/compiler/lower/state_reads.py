@@ -164,9 +164,10 @@ def moved(owner: AgentVar, w: Writer) -> Value:
 
 def present(owner: AgentVar, w: Writer) -> Value:
     """Returns who is on the map."""
-    if not w.module.can_be_away(owner.entity_type) or w.starting:
+    if w.starting or not w.module.can_be_away(owner.entity_type):
         return TRUE
-    return w.keep("present", position(owner, w).ne(nowhere(w)))
+    is_somewhere = position(owner, w).ne(nowhere(w))
+    return w.keep("present", is_somewhere)
 
 
 def nowhere(w: Writer) -> Value:
@@ -269,7 +270,8 @@ def is_site(site: Value, kinds: tuple[str, ...], w: Writer) -> Value:
 
 def site_under(owner: AgentVar, kinds: tuple[str, ...], w: Writer) -> tuple[Value, Value]:
     """Returns the number of the cell of `kinds` under each agent, and whether there is one."""
-    site = w.keep(f"{'_'.join(kinds)}_under", site_at(position(owner, w), kinds, w))
+    under = site_at(position(owner, w), kinds, w)
+    site = w.keep(f"{'_'.join(kinds)}_under", under)
     return site, is_site(site, kinds, w)
 
 
@@ -319,4 +321,5 @@ def frame_cell(value: Value, w: Writer) -> Value:
 def held_cell(e: ir.Expr, kinds: tuple[str, ...], scope: IterationScope, w: Writer) -> CellVar:
     """Returns the cell that an expression is, by its number among `kinds`, past the end if none."""
     in_frame = frame_cell(w.value(e, scope), w)
-    return CellVar(w.keep(f"{'_'.join(kinds)}_held", site_at(in_frame, kinds, w)), kinds)
+    site = site_at(in_frame, kinds, w)
+    return CellVar(w.keep(f"{'_'.join(kinds)}_held", site), kinds)
