@@ -74,7 +74,6 @@ from sjdsl.compiler.lower.trials import next_trial
 from sjdsl.compiler.lower.writer import Module, Writer, replaced
 from sjdsl.compiler.program import Constant, Fact, Field, Function, Group, Number, Program
 from sjdsl.compiler.program.expressions import (
-    DTYPES,
     Cast,
     Expression,
     Literal,
