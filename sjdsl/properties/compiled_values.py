@@ -14,7 +14,7 @@ from sjdsl.compiler.lower.axes import as_dtype
 from sjdsl.compiler.lower.scope import IterationScope
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program import Function
-from sjdsl.compiler.program.expressions import DTYPES, Literal, as_array, call
+from sjdsl.compiler.program.expressions import Expression, as_array, call, zeros
 from sjdsl.compiler.program.expressions import Sequence as ListOf
 from sjdsl.policies.lowering import namespace
 from sjdsl.properties.monitors import Total
@@ -36,19 +36,18 @@ class Lowered:
 
 def lower_checks(game: ir.Game, expressions: Sequence[ir.Expr]) -> Lowered:
     """Returns the function. Raises NotSupported for what the compiler cannot say exactly."""
-    module = new_module(game)
     totals: dict[Total, str] = {}
     totals_before: dict[Total, str] = {}
+    module = new_module(game)
     w = Writer(module)
-    parts = []
+    numbers: list[Expression] = []
     for e in expressions:
-        value = w.value(_with_params(e, totals, totals_before), IterationScope())
-        parts.append(as_array(as_dtype(value, "f32").node, "f32"))
-    if parts:
-        w.give_back(call("jnp.stack", ListOf(tuple(parts), is_list=True)))
-    else:
-        w.give_back(call("jnp.zeros", Literal(0), DTYPES["f32"]))
-    parameters = tuple((parameter, "object") for parameter in ("state", "params", "before"))
+        readable = _reading_params(e, totals, totals_before)
+        value = as_dtype(w.value(readable, IterationScope()), "f32")
+        numbers.append(as_array(value.node, "f32"))
+    stacked = call("jnp.stack", ListOf(tuple(numbers), is_list=True))
+    w.give_back(stacked if numbers else zeros("f32", 0))
+    parameters = (("state", "object"), ("params", "object"), ("before", "object"))
     function = Function("values", parameters, "object", "", tuple(w.body))
     names = namespace(module)
     exec("\n".join(function_lines(function)), names)
@@ -57,23 +56,24 @@ def lower_checks(game: ir.Game, expressions: Sequence[ir.Expr]) -> Lowered:
 
 def with_totals(params: Any, totals: dict[str, Any]) -> Any:
     """Returns the parameters together with the totals of events."""
-    return SimpleNamespace(
-        **{name: getattr(params, name) for name in params.__dataclass_fields__}, **totals
-    )
+    return SimpleNamespace(**vars(params), **totals)
 
 
-def _with_params(e: ir.Expr, totals: dict[Total, str], totals_before: dict[Total, str]) -> ir.Expr:
+def _reading_params(
+    e: ir.Expr, totals: dict[Total, str], totals_before: dict[Total, str]
+) -> ir.Expr:
     """Returns an expression that reads parameters in place of totals of events.
 
     Adds the names of these parameters to `totals`, and inside `before(...)` to `totals_before`.
     """
 
-    def read_before(node: Any) -> Any:
+    def inside_before(node: Any) -> Any:
         if not isinstance(node, ir.Before):
             return node
         return rewrite(node, lambda inner: _as_param(inner, totals_before, "_earlier"))
 
-    return rewrite(rewrite(e, read_before), lambda node: _as_param(node, totals, "_total"))
+    without_totals_before = rewrite(e, inside_before)
+    return rewrite(without_totals_before, lambda node: _as_param(node, totals, "_total"))
 
 
 def _as_param(node: Any, names: dict[Total, str], prefix: str) -> Any:
@@ -82,6 +82,8 @@ def _as_param(node: Any, names: dict[Total, str], prefix: str) -> Any:
         return node
     name = f"{prefix}_{node.name}"
     if node.word:
-        name += f"_of_{node.word.replace(' ', '_').replace('-', 'minus_')}"
-    names[node.name, node.word] = identifier(name)
-    return ir.ParamRef(type=node.type, name=names[node.name, node.word], origin=node.origin)
+        word = node.word.replace(" ", "_").replace("-", "minus_")
+        name = f"{name}_of_{word}"
+    name = identifier(name)
+    names[node.name, node.word] = name
+    return ir.ParamRef(type=node.type, name=name, origin=node.origin)

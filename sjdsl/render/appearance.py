@@ -6,7 +6,7 @@ Pictures, films, pages and the terminal are all drawn from it. A cell or an agen
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 
@@ -20,6 +20,7 @@ BAR_STEPS = 8
 TINTED = 0.45  # share of the tint in a colour
 BADGES_OF_CELL = 8  # as many as have room: in the corners, then between them
 FLASH: Colour = (255, 236, 110)
+NOBODY = -1
 Cell = tuple[int, int]  # row, column
 
 # The state of a cell, as far as it is drawn. A number for each field: that of its enum value, its
@@ -102,20 +103,16 @@ def appearance_of(
         without it, or if it isn't the moment one step before.
     """
     ground = _draw_cells(look, snapshot)
-    figures = draw_figures(look, snapshot)
-    flashes: list[Cell] = []
+    bodies = draw_figures(look, snapshot)
+    figures: list[tuple[Figure | Beam, int, int]] = []
+    figures += _beams(look, snapshot, actions, bodies["agent"])
     if before is not None and before.step + 1 == snapshot.step:
-        flashes = sorted(_flashing_cells(look, ground, snapshot, before))
-    flash = Figure(None, FLASH, "flash")
-    return Appearance(
-        ground.drawings,
-        ground.cells,
-        (
-            *_beams(look, snapshot, actions, figures["agent"]),
-            *((flash, row, col) for row, col in flashes),
-            *((figures[name][number], row, col) for name, number, row, col in snapshot.standing()),
-        ),
-    )
+        flash = Figure(None, FLASH, "flash")
+        for row, col in sorted(_flashing_cells(look, ground, snapshot, before)):
+            figures.append((flash, row, col))
+    for name, number, row, col in snapshot.standing():
+        figures.append((bodies[name][number], row, col))
+    return replace(ground, figures=tuple(figures))
 
 
 def _draw_cells(look: Look, snapshot: Snapshot) -> Appearance:
@@ -146,19 +143,18 @@ def _beams(
             may_mark = not actions or not marking or actions[agent] in marking
             if may_mark and snapshot.row[agent] >= 0:
                 agents.append(agent)
-        owners: dict[Cell, int] = {}  # -1: nobody
+        owners: dict[Cell, int] = {}
         for cell in marked_cells(snapshot, label):
-            distances = [_beam_distance(snapshot, agent, cell) for agent in agents]
-            owners[cell] = agents[distances.index(min(distances))] if agents else -1
+            distance = partial(_beam_distance, snapshot, cell)
+            owners[cell] = min(agents, key=distance, default=NOBODY)
         for (row, col), owner in owners.items():
-            north, east, south, west = (
-                owners.get((row + down, col + right)) != owner for down, right in DIRECTIONS
-            )
-            fill = figures[owner].colour if owner >= 0 else edge
+            beside = [owners.get((row + down, col + right)) for down, right in DIRECTIONS]
+            north, east, south, west = (other != owner for other in beside)
+            fill = edge if owner == NOBODY else figures[owner].colour
             yield Beam(fill, edge, (north, east, south, west)), row, col
 
 
-def _beam_distance(snapshot: Snapshot, agent: int, cell: Cell) -> tuple[bool, int]:
+def _beam_distance(snapshot: Snapshot, cell: Cell, agent: int) -> tuple[bool, int]:
     """Returns how far a cell is from an agent, to compare: whether it lies behind, then steps."""
     down = cell[0] - int(snapshot.row[agent])
     right = cell[1] - int(snapshot.col[agent])
@@ -212,10 +208,9 @@ def _steps(look: Look, first: Cell, second: Cell) -> int:
 
 def _positions(snapshot: Snapshot) -> dict[str, list[Cell | None]]:
     """Returns row and column of each agent and each mover, by type; None if it is away."""
-    positions: dict[str, list[Cell | None]] = {
-        "agent": [None] * len(snapshot.row),
-        **{name: [None] * len(rows) for name, (rows, _) in snapshot.movers.items()},
-    }
+    positions: dict[str, list[Cell | None]] = {"agent": [None] * len(snapshot.row)}
+    for name, (rows, _) in snapshot.movers.items():
+        positions[name] = [None] * len(rows)
     for name, number, row, col in snapshot.standing():
         positions[name][number] = (row, col)
     return positions

@@ -104,12 +104,13 @@ def draw_windows(board: np.ndarray, snapshot: Snapshot, window: ir.Window, tile:
     pictures = []
     for row, col, heading in zip(snapshot.row, snapshot.col, snapshot.heading, strict=True):
         # [rows, cols, 2]: the row and the column on the map of each cell of the window
-        cells = np.array((row, col)) + ahead * STEPS[heading] + right * STEPS[(heading + 1) % 4]
+        to_cells = ahead * STEPS[heading] + right * STEPS[(heading + 1) % 4]
+        cells = np.array((row, col)) + to_cells
         is_inside = ((cells >= 0) & (cells < (height, width))).all(axis=-1, keepdims=True)
         is_present = row >= 0
-        rows, cols = np.moveaxis(np.where(is_present & is_inside, cells, -1), -1, 0)
+        cells = np.where(is_present & is_inside, cells, -1)
         # [rows, cols, tile, tile, 3], each tile turned as the window is; then pixels row by row
-        turned = np.rot90(tiles[rows, cols], int(heading), axes=(2, 3))
+        turned = np.rot90(tiles[cells[..., 0], cells[..., 1]], int(heading), axes=(2, 3))
         picture = turned.swapaxes(1, 2)
         pictures.append(picture.reshape(ahead.size * tile, right.size * tile, 3))
     return np.stack(pictures)

@@ -52,12 +52,11 @@ class Painter:
         """
         board = Image.fromarray(draw_board(self.look, snapshot, actions, before))
         status = self.status.draw(snapshot)
-        picture = Image.new(
-            "RGB", (self.width, board.height + status.height + self.legend.height), OUTSIDE
-        )
+        legend_top = board.height + status.height
+        picture = Image.new("RGB", (self.width, legend_top + self.legend.height), OUTSIDE)
         picture.paste(board, ((self.width - board.width) // 2, 0))
         picture.paste(status, (0, board.height))
-        picture.paste(self.legend, (0, board.height + status.height))
+        picture.paste(self.legend, (0, legend_top))
         return picture
 
 

@@ -1,5 +1,6 @@
 """The legend of a game: each appearance of cells, agents and movers, with its text."""
 
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from itertools import chain, islice, product
@@ -53,9 +54,8 @@ def legend_entries(look: Look, shown: Sequence[Snapshot] | None = None) -> list[
                 entries.setdefault(unique, (drawing, unique))
     for label, colour in look.marks:
         if shown is None or any(marked_cells(snapshot, label) for snapshot in shown):
-            text = (
-                " or ".join(look.actions[number] for number in look.marking_actions[label]) or label
-            )
+            actions = [look.actions[number] for number in look.marking_actions[label]]
+            text = " or ".join(actions) or label
             entries.setdefault(text, (Beam(PALE, colour, ALL_SIDES), text))
     on_ground: set[Picture] = set()
     for symbol, _ in entries.values():
@@ -80,13 +80,13 @@ def _entries_of(kind: KindLook, shown: Sequence[Snapshot] | None) -> list[tuple[
     for snapshot in shown or ():
         keys, _ = cell_keys(kind, snapshot.values)
         states |= {(key, snapshot.step > 0) for key in keys}
-    entries = dict.fromkeys(
-        (drawing, text)
-        for drawing, text, occurs in _kind_entries(kind)
-        if shown is None or any(occurs(*state) for state in states)
-    )
+    entries: list[tuple[Drawing, str]] = []
+    for drawing, text, occurs in _kind_entries(kind):
+        is_shown = shown is None or any(occurs(*state) for state in states)
+        if is_shown and (drawing, text) not in entries:
+            entries.append((drawing, text))
     if not entries or any(text.split(":")[0] == kind.name for _, text in entries):
-        return list(entries)
+        return entries
     (drawing, text), *others = entries
     return [(drawing, f"{kind.name}: {text}"), *others]
 
@@ -164,14 +164,13 @@ def _word_states(kind: KindLook) -> Iterator[Key]:
     Of very many combinations it yields the first. All numbers are 0 and nobody owns anything. A
     look that reads more than enum values applies to none of them.
     """
-    choices = [range(len(field.words)) if field.holds == "word" else (0,) for field in kind.fields]
+    word_fields = [field for field in kind.fields if field.holds == "word"]
+    choices = [range(len(field.words)) if field in word_fields else (0,) for field in kind.fields]
     combinations = list(islice(product(*choices), MAX_STATES))
-    states = np.array(combinations, int)
-    values = {
-        field.attribute: column - 1 if field.holds == "agent" else column
-        for field, column in zip(kind.fields, states.T, strict=True)
-    }
-    known = {field.name for field in kind.fields if field.holds == "word"}
+    values = {}
+    for field, column in zip(kind.fields, np.array(combinations, int).T, strict=True):
+        values[field.attribute] = column - 1 if field.holds == "agent" else column
+    known = {field.name for field in word_fields}
     columns = []
     for rule in kind.rules:
         applies = [False] * len(combinations)
@@ -197,9 +196,9 @@ def figure_entries(
     look: Look, shown: Sequence[Snapshot] | None = None
 ) -> Iterator[tuple[Figure, str]]:
     """Yields the agents by role, their looks, what they carry, the pale one, then the movers."""
-    drawn: dict[str, list[Figure]] | None = None
+    drawn: defaultdict[str, list[Figure]] | None = None
     if shown is not None:
-        drawn = {name: [] for name in ("agent", *(herd.name for herd in look.herds))}
+        drawn = defaultdict(list)
         for snapshot in shown:
             for name, figures in draw_figures(look, snapshot).items():
                 drawn[name] += figures

@@ -52,13 +52,12 @@ class Letters:
     def states(self, board: Board, snapshot: Snapshot) -> Iterator[tuple[Cell, str, int, State]]:
         """Yields each cell, its kind, its number among the cells of its kind, and its state."""
         for kind, cells in board.cells.items():
-            columns = [
-                (field.type.words, snapshot.values[f"{kind}_{field.name}"])
-                for field in self.shown[kind]
-            ]
             for number, cell in enumerate(cells):
-                state = tuple(words[int(values[number])] for words, values in columns)
-                yield cell, kind, number, state
+                state = []
+                for field in self.shown[kind]:
+                    value = snapshot.values[f"{kind}_{field.name}"][number]
+                    state.append(field.type.words[int(value)])
+                yield cell, kind, number, tuple(state)
 
 
 def make_letters(game: ir.Game) -> Letters:
@@ -79,13 +78,11 @@ def make_letters(game: ir.Game) -> Letters:
         characters.setdefault((meaning.kind, state), meaning.glyph)
     for name, fields in shown.items():
         unknown = ("",) * len(fields)
-        states_of_glyphs = [state for kind, state in characters if kind == name]
-        usual_state = states_of_glyphs[0] if states_of_glyphs else unknown
+        usual = next((state for kind, state in characters if kind == name), unknown)
         for state in product(*(f.type.words for f in fields)):
             if (name, state) not in characters:
-                differing = [
-                    word for word, usual in zip(state, usual_state, strict=True) if word != usual
-                ]
+                pairs = zip(state, usual, strict=True)
+                differing = [word for word, usual_word in pairs if word != usual_word]
                 used = {*characters.values(), *movers.values(), *ARROWS}
                 characters[name, state] = _unused_character(differing, used)
     return Letters(characters, shown, movers)
@@ -93,7 +90,8 @@ def make_letters(game: ir.Game) -> Letters:
 
 def _unused_character(words: Sequence[str], used: Collection[str]) -> str:
     """Returns an unused letter: the first of a word, small or large, another of it, or any."""
-    letters = "".join(word[0] + word[0].upper() for word in words) + "".join(words) + SPARE
+    first_letters = [word[0] + word[0].upper() for word in words]
+    letters = "".join((*first_letters, *words, SPARE))
     return next((c for c in letters if c.isalnum() and c not in used), NONE_LEFT)
 
 

@@ -218,20 +218,23 @@ def make_look(game: ir.Game) -> Look:
     labels = tuple(phase.label for phase in marking)
     rules = tuple(_make_rule(look) for look in game.looks if look.what == "agent")
     fields = _seen_fields_of("agent", game.agents.fields, game)
-    field = _colour_field(game)
+    role_field = _colour_field(game)
     colour_field = None
     roles: tuple[str, ...] = ()
     roles_in_looks: frozenset[str] = frozenset()
     drawn: set[str] = set()
-    if field is not None:
-        roles = field.type.words
-        colour_field = (attribute_name(field), colours_of(roles))
-        roles_in_looks = words_in_looks(field, rules)
-        fields = [other for other in fields if other is not field]
-        drawn.add(field.name)
+    if role_field is not None:
+        roles = role_field.type.words
+        colour_field = (attribute_name(role_field), colours_of(roles))
+        roles_in_looks = words_in_looks(role_field, rules)
+        fields = [field for field in fields if field is not role_field]
+        drawn.add(role_field.name)
     carried = tuple(_carried_fields("agent", fields, rules, game))
     possessions = tuple(_possessions(fields, game))
     drawn |= {field.name for field in (*carried[:BADGES], *possessions)}
+    marking_actions = {}
+    for phase in marking:
+        marking_actions[phase.label] = tuple(sorted(_marking_actions(phase, game)))
     return Look(
         title=title_of(game),
         height=height,
@@ -239,9 +242,7 @@ def make_look(game: ir.Game) -> Look:
         tile=max(MIN_TILE, min(MAX_WIDTH // width, MAX_HEIGHT // height, MAX_TILE)),
         kinds=tuple(_kind_looks(game)),
         marks=tuple(zip(labels, mark_colours(labels), strict=True)),
-        marking_actions={
-            phase.label: tuple(sorted(_marking_actions(phase, game))) for phase in marking
-        },
+        marking_actions=marking_actions,
         actions=game.agents.actions,
         colour_field=colour_field,
         roles=roles,
@@ -260,16 +261,10 @@ def make_look(game: ir.Game) -> Look:
 def _herd_looks(game: ir.Game) -> Iterator[HerdLook]:
     """Yields the types of mover in the order of the file."""
     for mover, body in zip(game.movers, usual_movers(game), strict=True):
-        rules = tuple(
-            _make_rule(look)
-            for look in game.looks
-            if look.what == "mover" and look.name == mover.name
-        )
-        fields = [
-            field
-            for field in _seen_fields_of(mover.name, mover.fields, game)
-            if field.name != "heading"  # seen by where its body faces
-        ]
+        looks = [look for look in game.looks if (look.what, look.name) == ("mover", mover.name)]
+        rules = tuple(map(_make_rule, looks))
+        seen = _seen_fields_of(mover.name, mover.fields, game)
+        fields = [field for field in seen if field.name != "heading"]  # its body faces there
         carried = tuple(_carried_fields(mover.name, fields, rules, game))
         yield HerdLook(mover.name, body.sprite, body.colour, rules, carried)
 
@@ -617,15 +612,14 @@ def _colour_field(game: ir.Game) -> ir.VarField | None:
         if is_word and len({*colours_of(words)}) == len(words):  # else roles would look alike
             fields.append(field)
     agent = ir.EntityType("agent")
-    lasting = [
-        field
-        for field in fields
-        if not any(_is_set(turn, agent, field.name) for turn in game.schedule)
-    ]
+    lasting = []
+    for field in fields:
+        if not any(_is_set(turn, agent, field.name) for turn in game.schedule):
+            lasting.append(field)
     coloured = [field for field in fields if set(field.type.words) <= COLOURS]
     lasting_coloured = [field for field in coloured if field in lasting]
-    best = lasting_coloured or lasting or coloured
-    return best[0] if best else None
+    best_first = (*lasting_coloured, *lasting, *coloured)
+    return next(iter(best_first), None)
 
 
 def _is_set(rules: ir.Node, owner: ir.EntityType, name: str) -> bool:
@@ -633,7 +627,9 @@ def _is_set(rules: ir.Node, owner: ir.EntityType, name: str) -> bool:
 
     A field of a kind that no rule sets is part of the landscape.
     """
-    written = (
-        written_field(node.target) for node in ir.walk(rules) if isinstance(node, ir.Set | ir.Add)
-    )
-    return any(field.name == name and field.held_by.overlaps(owner) for field in written)
+    for node in ir.walk(rules):
+        if isinstance(node, ir.Set | ir.Add):
+            field = written_field(node.target)
+            if field.name == name and field.held_by.overlaps(owner):
+                return True
+    return False

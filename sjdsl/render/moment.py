@@ -53,10 +53,11 @@ class Snapshot:
 
         Each is `agent` or the type of the mover, its number, row and column.
         """
-        for name, (rows, cols) in {"agent": (self.row, self.col), **self.movers}.items():
-            for number, (row, col) in enumerate(zip(rows.tolist(), cols.tolist(), strict=True)):
+        bodies = {"agent": (self.row, self.col), **self.movers}
+        for name, (rows, cols) in bodies.items():
+            for number, row in enumerate(rows.tolist()):
                 if row >= 0:
-                    yield name, number, row, col
+                    yield name, number, row, int(cols[number])
 
 
 @dataclass(frozen=True)
@@ -79,11 +80,12 @@ class Moment:
 
 def shown_defines(game: ir.Game) -> list[ir.Observable]:
     """Returns the defines that agents observe."""
-    return [
-        o
-        for o in game.observables
-        if o.what == "world" and o.value is not None and not isinstance(o.value, ir.Step)
-    ]
+    defines = []
+    for observable in game.observables:
+        is_computed = observable.value is not None and not isinstance(observable.value, ir.Step)
+        if observable.what == "world" and is_computed:
+            defines.append(observable)
+    return defines
 
 
 def take_snapshot(env: "Environment", state: Any, returns: np.ndarray) -> Snapshot:
@@ -105,6 +107,12 @@ def take_snapshot(env: "Environment", state: Any, returns: np.ndarray) -> Snapsh
     held = np.zeros(env.num_agents, bool)
     if game.agents.forbids:
         held = np.asarray(env.allowed_actions(state)).sum(axis=1) == 1
+    movers = {}
+    for mover in game.movers:
+        movers[mover.name] = rows_and_columns(values[f"{mover.name}_position"])
+    marks = {}
+    for phase in marking_phases(game):
+        marks[phase.label] = _mask(game, *rows_and_columns(values[f"mark_{phase.name}"]))
     return Snapshot(
         step=int(on_host.step),
         values=values,
@@ -113,13 +121,8 @@ def take_snapshot(env: "Environment", state: Any, returns: np.ndarray) -> Snapsh
         heading=values["heading"],
         held=held,
         returns=np.asarray(returns),
-        movers={
-            mover.name: rows_and_columns(values[f"{mover.name}_position"]) for mover in game.movers
-        },
-        marks={
-            phase.label: _mask(game, *rows_and_columns(values[f"mark_{phase.name}"]))
-            for phase in marking_phases(game)
-        },
+        movers=movers,
+        marks=marks,
         defines=_observed_defines(env, state, row),
     )
 
@@ -164,12 +167,16 @@ def snapshot_of(game: ir.Game, world: World, returns: Sequence[float] | np.ndarr
         cells = [(row, col) for name, row, col in world.marks if name == phase.name]
         marks[phase.label] = _mask(game, *_rows_and_columns(cells))
     instance = Instance(board_of(game), world)
-    defines = {
-        o.field: evaluate(o.value, instance) for o in shown_defines(game) if o.value is not None
-    }
+    defines = {}
+    for define in shown_defines(game):
+        assert define.value is not None
+        defines[define.field] = _define_text(evaluate(define.value, instance))
+    values = {}
+    for declared in all_fields(game):
+        values[attribute_name(declared)] = np.array(stored_values(declared, world))
     return Snapshot(
         step=world.step,
-        values={attribute_name(f): np.array(stored_values(f, world)) for f in all_fields(game)},
+        values=values,
         row=row,
         col=col,
         heading=np.array(world.heading, int),
@@ -177,7 +184,7 @@ def snapshot_of(game: ir.Game, world: World, returns: Sequence[float] | np.ndarr
         returns=np.array(returns, float),
         movers={name: _rows_and_columns(herd.position) for name, herd in world.movers.items()},
         marks=marks,
-        defines={name: _define_text(value) for name, value in defines.items()},
+        defines=defines,
     )
 
 
@@ -185,8 +192,9 @@ def _rows_and_columns(
     cells: Sequence[Cell | tuple[int, int] | None],
 ) -> tuple[np.ndarray, np.ndarray]:
     """Returns rows and columns of cells, -1 for None."""
-    places = np.array([(-1, -1) if cell is None else cell for cell in cells], int).reshape(-1, 2)
-    return places[:, 0], places[:, 1]
+    places = [(-1, -1) if cell is None else cell for cell in cells]
+    rows, cols = np.array(places, int).reshape(-1, 2).T
+    return rows, cols
 
 
 def _define_text(value: Any) -> str:
@@ -198,8 +206,10 @@ def _define_text(value: Any) -> str:
 
 def _mask(game: ir.Game, row: np.ndarray, col: np.ndarray) -> np.ndarray:
     """Returns a mask of the cells that lie on the map, `[H, W]` bool."""
-    mask = np.zeros((len(game.rows), len(game.rows[0])), bool)
-    on_map = (row >= 0) & (row < mask.shape[0]) & (col >= 0) & (col < mask.shape[1])
+    height = len(game.rows)
+    width = len(game.rows[0])
+    on_map = (row >= 0) & (row < height) & (col >= 0) & (col < width)
+    mask = np.zeros((height, width), bool)
     mask[row[on_map], col[on_map]] = True
     return mask
 

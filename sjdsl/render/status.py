@@ -110,17 +110,19 @@ class Status:
         agents_top = LINE * (1 + _count_lines(self.world)) + 4
         for agent, figure in enumerate(draw_figures(self.look, snapshot)["agent"]):
             row, place = divmod(agent, self.per_line)
-            start = left = MARGIN + place * self.column
+            left = MARGIN + place * self.column
             top = agents_top + row * LINE * _count_lines(self.agent)
-            body = Image.fromarray(draw_figure(replace(figure, heading=0, badges=()), SWATCH))
+            portrait = draw_figure(replace(figure, heading=0, badges=()), SWATCH)
+            body = Image.fromarray(portrait)
             picture.paste(body, (left, top), body)
-            left += SWATCH + BETWEEN
+            items_left = left + SWATCH + BETWEEN
             for placed in self.agent:
                 text = placed.item.text(snapshot, agent)
-                _draw_item(picture, placed.item, text, left + placed.left, top + LINE * placed.line)
+                item_top = top + LINE * placed.line
+                _draw_item(picture, placed.item, text, items_left + placed.left, item_top)
             if snapshot.row[agent] < 0:
                 bottom = top + LINE * _count_lines(self.agent)
-                _fade(picture, (start, top, start + self.column - GAP, bottom))
+                _fade(picture, (left, top, left + self.column - GAP, bottom))
         return picture
 
 
@@ -133,24 +135,24 @@ def make_status(look: Look, width: int, shown: Sequence[Snapshot] | None = None)
     """
     agents = range(look.num_agents)
 
-    def widest(item: Item, agents: Sequence[int | None], unknown: int) -> int:
-        """Returns the pixels of an item's widest text, `unknown` if no moment is known."""
+    def sized(item: Item, agents: Sequence[int | None], unknown: int = 0, least: int = 0) -> Item:
+        """Returns an item with room for its widest text, `unknown` pixels if no moment is known."""
         texts = [item.text(snapshot, agent) for snapshot in shown or () for agent in agents]
-        return round(max(map(FONT.getlength, texts))) if texts else unknown
+        widest = round(max(map(FONT.getlength, texts))) if texts else unknown
+        return replace(item, room=max(least, widest))
 
     world: list[Item] = []
     for reading in look.world:
         item = Item(label=reading.name, reading=reading)
-        world.append(replace(item, room=widest(item, [None], UNKNOWN_WIDTH)))
-    of_agent = [Item(room=max(NUMBER_WIDTH, widest(Item(), agents, 0)))]
+        world.append(sized(item, [None], UNKNOWN_WIDTH))
+    of_agent = [sized(Item(), agents, least=NUMBER_WIDTH)]
     for field in look.possessions:
         for entry in range(len(field.words)):
             item = Item(label="" if entry else field.name, field=field, entry=entry)
-            room = max(NUMBER_WIDTH - BETWEEN, widest(item, agents, 0))
-            of_agent.append(replace(item, room=room))
+            of_agent.append(sized(item, agents, least=NUMBER_WIDTH - BETWEEN))
     for reading in look.own:
         item = Item(label=reading.name, reading=reading)
-        of_agent.append(replace(item, room=widest(item, agents, NUMBER_WIDTH)))
+        of_agent.append(sized(item, agents, NUMBER_WIDTH))
     line = width - 2 * MARGIN
     placed = tuple(_flow(of_agent, line - SWATCH - BETWEEN))
     right_edge = max(p.left + p.item.width for p in placed)

@@ -756,14 +756,13 @@ def _read_experiment(path: Path, name: str, kind: type[Diagram] | type[CrossPlay
 
 def _diagram_row(stored: Diagram) -> dict[str, Any]:
     """Returns the row of a stored Schelling diagram."""
-    row = {
-        "record": "diagram",
-        **stored.model_dump(include={"cooperators", "defectors", "unit", "units", "episodes"}),
-        **stored.verdict.model_dump(),
-        "caution": stored.verdict.caution or "",
-    }
-    for contrast, figure in stored.contrasts:
-        row |= {f"{contrast}_{end}": value for end, value in figure}
+    verdict = stored.verdict.model_dump()
+    verdict["caution"] = stored.verdict.caution or ""
+    sample = stored.model_dump(include={"cooperators", "defectors", "unit", "units", "episodes"})
+    row = {"record": "diagram", **sample, **verdict}
+    for contrast, figure in stored.contrasts.model_dump().items():
+        for end, value in figure.items():  # mean, low and high
+            row[f"{contrast}_{end}"] = value
     return row
 
 

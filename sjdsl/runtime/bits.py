@@ -158,7 +158,8 @@ def _nth_by_sums(words: Array, n: Array) -> Array:
     counts = size_of_set(words)
     is_earlier = index[None] < index[:, None]
     is_earlier = is_earlier.reshape((1,) * n.ndim + (index.size, index.size))
-    before = jnp.sum(jnp.where(is_earlier, counts[..., None, :], 0), axis=-1, dtype=jnp.int32)
+    earlier_counts = jnp.where(is_earlier, counts[..., None, :], 0)
+    before = jnp.sum(earlier_counts, axis=-1, dtype=jnp.int32)
     has_nth = (before <= n[..., None]) & (n[..., None] < before + counts)
     numbers = jnp.broadcast_to(index, words.shape)
     chosen = (
@@ -166,11 +167,13 @@ def _nth_by_sums(words: Array, n: Array) -> Array:
         jnp.where(has_nth, before, 0),
         jnp.where(has_nth, numbers, 0),
     )
+
+    def add_each(left: tuple[Array, ...], right: tuple[Array, ...]) -> tuple[Array, ...]:
+        return tuple(map(operator.add, left, right))
+
     # one sum of three instead of three: each would compute `has_nth` again
     zeros = (jnp.uint32(0), jnp.int32(0), jnp.int32(0))
-    word, passed, number = lax.reduce(
-        chosen, zeros, lambda a, b: tuple(map(operator.add, a, b)), (words.ndim - 1,)
-    )
+    word, passed, number = lax.reduce(chosen, zeros, add_each, (words.ndim - 1,))
     result: Array = number * WIDTH + nth_bit(word, n - passed)
     return result
 

@@ -38,8 +38,10 @@ def numbers_among(rows: Rows, group: str, glyphs: str) -> np.ndarray:
     Cells are in reading order. The index is past the end for the other cells, and for one more
     entry after the last cell.
     """
-    is_among = np.array([g in glyphs for g in "".join(rows) if g in group] + [False])
-    return np.where(is_among, np.cumsum(is_among) - 1, is_among.sum()).astype(np.int32)
+    glyphs_of_group = [glyph for glyph in "".join(rows) if glyph in group]
+    is_among = np.array([*(glyph in glyphs for glyph in glyphs_of_group), False])
+    index = np.cumsum(is_among) - 1
+    return np.where(is_among, index, is_among.sum()).astype(np.int32)
 
 
 def reading_order(rows: Rows, kinds: Sequence[str]) -> np.ndarray:
@@ -185,7 +187,8 @@ def lane_reach(
                 bits[cells, heading] |= is_reached << np.uint64(number)
                 is_open &= ~ends_lane[target]
                 number += 1
-    return bits.reshape(-1).astype(np.uint8 if offsets.shape[1] <= 8 else np.uint32)
+    dtype = np.uint8 if offsets.shape[1] <= 8 else np.uint32
+    return bits.reshape(-1).astype(dtype)
 
 
 def neighbours(cells: np.ndarray, numbers: np.ndarray, offsets: np.ndarray) -> np.ndarray:

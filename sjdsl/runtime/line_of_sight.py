@@ -54,7 +54,8 @@ def nearest_in_lanes(
     shape = (*eligible.shape[:-1], len(lanes), max(lanes))
     if min(lanes) != max(lanes):  # shorter lanes are padded with cells that aren't eligible
         ends = np.cumsum(lanes)[:, None]
-        cell = ends - np.array(lanes)[:, None] + np.arange(max(lanes))
+        starts = ends - np.array(lanes)[:, None]
+        cell = starts + np.arange(max(lanes))
         padded = np.minimum(cell, ends - 1).reshape(-1)
         is_in_lane = on_last_axis((cell < ends).reshape(-1), eligible.ndim)
         eligible = eligible[..., padded] & is_in_lane

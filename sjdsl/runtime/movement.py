@@ -40,22 +40,21 @@ def resolve(position: Array, target: Array, draws: Array, exchange: bool = False
     return by_platform(by_spreading, by_walking, position, target, draws)
 
 
-def _wishes(position: Array, target: Array, rank: Array) -> tuple[Array, Array, Array]:
-    """Returns who wants to move, and which agents are in whose way.
-
-    Args:
-      position, target: as of `resolve`.
-      rank: `[N]` uint32.
+def _wishes(position: Array, target: Array, draws: Array) -> tuple[Array, Array, Array]:
+    """Returns who wants to move, and which agents are in whose way. The arguments: see `resolve`.
 
     Returns:
       `[N]` bool, who wants to move;
       `[N, N]` bool, entry i, j: whether i wants the cell on which j is;
       `[N, N]` bool, entry i, j: whether j wants the cell that i wants, with a larger rank.
     """
+    numbers = jnp.arange(position.shape[0], dtype=jnp.uint32)
+    rank = (draws & jnp.uint32(0xFFFFFF00)) | numbers
     moving = target != position
     into = (target[:, None] == position[None, :]) & moving[:, None]
-    has_target = (target[:, None] == target[None, :]) & moving[None, :]
-    return moving, into, has_target & (rank[None, :] > rank[:, None])
+    has_same_target = (target[:, None] == target[None, :]) & moving[None, :]
+    is_outranked = rank[None, :] > rank[:, None]
+    return moving, into, has_same_target & is_outranked
 
 
 def _by_walking(position: Array, target: Array, draws: Array, exchange: bool) -> Array:
@@ -67,7 +66,7 @@ def _by_walking(position: Array, target: Array, draws: Array, exchange: bool) ->
     """
     n = position.shape[0]
     numbers = jnp.arange(n, dtype=jnp.uint32)
-    moving, into, loses = _wishes(position, target, (draws & jnp.uint32(0xFFFFFF00)) | numbers)
+    moving, into, loses = _wishes(position, target, draws)
     if not exchange:
         into_mine = (target[None, :] == position[:, None]) & moving[None, :]
         loses = loses | (into & into_mine)
@@ -76,11 +75,12 @@ def _by_walking(position: Array, target: Array, draws: Array, exchange: bool) ->
     waited_for = jnp.where(into, numbers[None, :] + 1, jnp.uint32(0))
     reasons = jnp.where(loses, jnp.uint32(256), jnp.uint32(0))
     sums = sum_of(waited_for + reasons, axis=1)
-    bits = max(1, (n - 1).bit_length())  # of an agent's number
-    follows = jnp.where((sums & 255) == 0, numbers, (sums & 255) - 1)
+    next_plus_one = sums & 255
+    follows = jnp.where(next_plus_one == 0, numbers, next_plus_one - 1)
     stays = ((sums >= 256) | ~moving).astype(jnp.uint32)
-    stored = lax.optimization_barrier((follows | (stays << bits)).astype(jnp.uint8))
-    entry = stored.astype(jnp.uint32)
+    bits = max(1, (n - 1).bit_length())  # of an agent's number
+    packed = follows | (stays << bits)
+    entry = lax.optimization_barrier(packed.astype(jnp.uint8)).astype(jnp.uint32)
     per_word = 32 // (bits + 1)
     shifts = jnp.arange(per_word, dtype=jnp.uint32) * (bits + 1)
     table = []
@@ -98,11 +98,11 @@ def _by_walking(position: Array, target: Array, draws: Array, exchange: bool) ->
 
 def _by_spreading(position: Array, target: Array, draws: Array, exchange: bool) -> Array:
     """The form for CPUs: all who wait for somebody that stays are marked, until no more are."""
-    numbers = jnp.arange(position.shape[0], dtype=jnp.uint32)
-    moving, into, loses = _wishes(position, target, (draws & jnp.uint32(0xFFFFFF00)) | numbers)
+    moving, into, loses = _wishes(position, target, draws)
     if not exchange:
         loses = loses | (into & into.T)
-    stays = _with_waiting(into, ~moving | jnp.any(loses, axis=1))
+    has_reason = ~moving | jnp.any(loses, axis=1)
+    stays = _with_waiting(into, has_reason)
     return jnp.where(stays, position, target)
 
 

@@ -123,7 +123,10 @@ def _beside_some(
         return jnp.where((exists >> place) & 1 == 1, around + step, size)
 
     for place, column in enumerate(numbers.T):
-        number = jnp.asarray(column)[around] if steps is None else beside(place, steps[place])
+        if steps is None:
+            number = jnp.asarray(column)[around]
+        else:
+            number = beside(place, steps[place])
         yield number, *(entries_in_bounds(values, number) for values in padded)
 
 

@@ -45,11 +45,11 @@ def moves_of(
     actions: Sequence[str], relative: bool, open_cells: np.ndarray, wraps: bool = False
 ) -> Moves:
     """Returns the moves among the actions of a game. `open_cells`: see `Moves.open`."""
-    moves = {name: number for number, name in enumerate(actions) if name in STEPS or name in TURNS}
+    names = [name for name in actions if name in STEPS or name in TURNS]
     return Moves(
-        actions=tuple(moves.values()),
-        turns=tuple(TURNS.get(name, 0) for name in moves),
-        steps=tuple(STEPS.get(name) for name in moves),
+        actions=tuple(map(actions.index, names)),
+        turns=tuple(TURNS.get(name, 0) for name in names),
+        steps=tuple(map(STEPS.get, names)),
         relative=relative,
         open=open_cells,
         wraps=wraps,

@@ -34,9 +34,7 @@ def pick(member: Array, draw: Array) -> tuple[Array, Array]:
       `[...]` int32, its number among the candidates, undefined if there is no member; and `[...]`
       bool, whether there is one.
     """
-    packed = bits.pack(member)
-    size = bits.size_of_large_set(packed)
-    return bits.nth(packed, below(draw, size)), size > 0
+    return pick_of_large_set(bits.pack(member), draw)
 
 
 def pick_of_set(sets: Array, draw: Array) -> tuple[Array, Array]:
@@ -47,13 +45,15 @@ def pick_of_set(sets: Array, draw: Array) -> tuple[Array, Array]:
       draw: uint32 of that shape, or with more axes, for several draws from one set.
     """
     size = bits.size_of_set(sets)
-    return bits.nth_bit(sets, below(draw, size)), jnp.broadcast_to(size > 0, draw.shape)
+    member = bits.nth_bit(sets, below(draw, size))
+    return member, jnp.broadcast_to(size > 0, draw.shape)
 
 
 def pick_of_large_set(sets: Array, draw: Array) -> tuple[Array, Array]:
     """Returns what `pick_of_set` does, of sets kept as bits in several words: `[..., W]` uint32."""
     size = bits.size_of_large_set(sets)
-    return bits.nth(sets, below(draw, size)), jnp.broadcast_to(size > 0, draw.shape)
+    member = bits.nth(sets, below(draw, size))
+    return member, jnp.broadcast_to(size > 0, draw.shape)
 
 
 def pick_of_sets(members: Array, key: Array, draws_of: Callable[[Array], Array]) -> Array:
@@ -225,7 +225,9 @@ def _chosen_turn_by_turn(
         member = bits.nth(left, below(draw, total - turn))  # each turn before has taken one
         others = bits.without(left, member)
         picked = (turn < wanted) & passes(member)
-        return turn + 1, others, jnp.where(picked[..., None], chosen | (left & ~others), chosen)
+        with_member = chosen | (left & ~others)
+        chosen = jnp.where(picked[..., None], with_member, chosen)
+        return turn + 1, others, chosen
 
     start = (jnp.int32(0), packed, jnp.zeros_like(packed))
     _, _, chosen = lax.while_loop(has_turns_left, take_turn, settled(take_turn, start))
@@ -329,7 +331,8 @@ def _unrolled(
             possible = [one & fit for one, fit in zip(free_words, fitting_words, strict=True)]
         num_possible = reduce(lax.add, map(bits.size_of_set, possible))
         number, bit = bits.nth_of(possible, below(draws[agent], num_possible))
-        is_placed = (((sent_bits >> agent) & 1) != 0) & (num_possible > 0)
+        is_sent = ((sent_bits >> agent) & 1) != 0
+        is_placed = is_sent & (num_possible > 0)
         taken = jnp.where(is_placed, jnp.uint32(1) << bit.astype(jnp.uint32), jnp.uint32(0))
         kept = lax.bitwise_not(taken)
         for place, word in enumerate(free_words):
@@ -343,7 +346,8 @@ def _unrolled(
     halves = lax.optimization_barrier(halves)
     site = bits.field(halves, numbers, 16, 2).astype(jnp.int32) - 1
     placed = site >= 0
-    return jnp.where(placed, entries_in_bounds(cells, jnp.maximum(site, 0)), position), placed
+    new = entries_in_bounds(cells, jnp.maximum(site, 0))
+    return jnp.where(placed, new, position), placed
 
 
 def come_back(

@@ -175,7 +175,8 @@ def _dealt_in_a_loop(draws: Array, number: int) -> Array:
 
     def swap(entry: Array | int, values: Array) -> Array:
         """Returns the list after the swap of one entry: `[..., number]`."""
-        place = (entry + below(draws[..., entry], number - entry))[..., None]
+        place = entry + below(draws[..., entry], number - entry)
+        place = place[..., None]
         at_place = jnp.take_along_axis(values, place, axis=-1)
         at_entry = values[..., entry][..., None]
         values = jnp.where(places == place, at_entry, values)

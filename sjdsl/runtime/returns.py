@@ -18,7 +18,9 @@ def equality(returns: Any) -> Any:
     """
     arrays = returns.__array_namespace__()
     total = collective_return(returns)
-    gaps = arrays.abs(returns[..., :, None] - returns[..., None, :]).sum(axis=(-2, -1))
     is_defined = (returns >= 0).all(axis=-1) & (total > 0)
-    gini = gaps / (2 * returns.shape[-1] * arrays.where(is_defined, total, 1))
+    divisor = arrays.where(is_defined, total, 1)
+    differences = arrays.abs(returns[..., :, None] - returns[..., None, :])
+    num_agents = returns.shape[-1]
+    gini = differences.sum(axis=(-2, -1)) / (2 * num_agents * divisor)
     return arrays.where(is_defined, 1 - gini, arrays.nan)

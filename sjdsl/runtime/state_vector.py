@@ -42,8 +42,14 @@ def state_vector(module: GameModule, state: Any, row: Array, col: Array, length:
         present.astype(jnp.float32),
         jax.nn.one_hot(state.heading, len(HEADINGS), dtype=jnp.float32),
     ]
-    parts += [_numbers(getattr(state, field.attribute), field, module) for field in module.FIELDS]
+    for field in module.FIELDS:
+        parts.append(_numbers(getattr(state, field.attribute), field, module))
     return jnp.concatenate([part.ravel() for part in parts])
+
+
+def _side_by_side(*entries: Array) -> Array:
+    """Returns several entries of each of a field's values on a new last axis, float32."""
+    return jnp.stack([entry.astype(jnp.float32) for entry in entries], axis=-1)
 
 
 def _numbers(stored: Array, field: StateField, module: GameModule) -> Array:
@@ -63,16 +69,16 @@ def _numbers(stored: Array, field: StateField, module: GameModule) -> Array:
             bits = (stored[..., None] >> on_last_axis(shifts, stored.ndim + 1)) & one
             return bits.astype(jnp.float32)
         case "cell":
-            somewhere = stored >= 0
-            parts = (somewhere, (stored >> 8) / 255 * somewhere, (stored & 255) / 255 * somewhere)
-            return jnp.stack([part.astype(jnp.float32) for part in parts], axis=-1)
+            exists = stored >= 0
+            row = (stored >> 8) / 255
+            col = (stored & 255) / 255
+            return _side_by_side(exists, row * exists, col * exists)
         case "place":
-            present = stored > 0
+            exists = stored > 0
             _, cols = module.FRAME
             row = (stored // cols - module.PAD) / max(len(module.MAP) - 1, 1)
             col = (stored % cols - module.PAD) / max(len(module.MAP[0]) - 1, 1)
-            entries = (present, jnp.where(present, row, 0), jnp.where(present, col, 0))
-            return jnp.stack([entry.astype(jnp.float32) for entry in entries], axis=-1)
+            return _side_by_side(exists, jnp.where(exists, row, 0), jnp.where(exists, col, 0))
         case "condition":
             return stored.astype(jnp.float32)
         case "number":

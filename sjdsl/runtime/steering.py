@@ -35,15 +35,20 @@ def gains(
     rows_away = cells // cols - position[:, None] // cols
     cols_away = cells % cols - position[:, None] % cols
 
-    def nearest(down: int, right: int) -> Array:
-        ways = (rows_away - down, cols_away - right)
+    def steps_to_nearest(down: int, right: int) -> Array:
+        """Returns the steps to the nearest member, for movers that have gone so far: `[M]`."""
+        rows = rows_away - down
+        cols = cols_away - right
         if around is not None:
-            ways = (shorter_way(ways[0], around[0]), shorter_way(ways[1], around[1]))
-        steps = jnp.abs(ways[0]) + jnp.abs(ways[1])
+            height, width = around
+            rows = shorter_way(rows, height)
+            cols = shorter_way(cols, width)
+        steps = jnp.abs(rows) + jnp.abs(cols)
         return jnp.min(jnp.where(member, steps, FAR), axis=1)
 
-    after = jnp.stack([nearest(down, right) for down, right in DIRECTIONS], axis=1)
-    return after - nearest(0, 0)[:, None]
+    after = [steps_to_nearest(down, right) for down, right in DIRECTIONS]
+    before = steps_to_nearest(0, 0)
+    return jnp.stack(after, axis=1) - before[:, None]
 
 
 def is_one_of(cells: Array, taken: Array) -> Array:

@@ -10,9 +10,9 @@ from jax import Array
 from sjdsl.runtime.random_bits import below, random_bits
 
 
-def numbered_key(key: Array, stream: int, number: int, seed: int) -> Array:
-    """Returns the key of one of the tasks 0 .. `number` - 1 of a seed: `[2]` uint32."""
-    task = below(random_bits(key, stream), number)
+def numbered_key(key: Array, stream: int, num_tasks: int, seed: int) -> Array:
+    """Returns the key of one of the tasks 0 .. `num_tasks` - 1 of a seed: `[2]` uint32."""
+    task = below(random_bits(key, stream), num_tasks)
     return key_of(seed, task)
 
 
@@ -24,38 +24,34 @@ def key_of(seed: int, task: Array) -> Array:
 def candidate_key(
     key: Array,
     stream: int,
-    candidates: int,
-    numbers: Callable[[Array], Array],
-    number: int,
+    num_candidates: int,
+    task_from: Callable[[Array], Array],
+    num_training: int,
     seed: int,
 ) -> Array:
-    """Returns the key of the first candidate whose task isn't one of those to train on.
+    """Returns a key from which a task is drawn that isn't one of those to train on.
 
-    That of candidate 0 if all are.
+    Candidates are drawn, and the first one with such a task is taken; the first of all if none has.
 
     Args:
       key: `[2]` uint32, of which the candidates' keys are drawn.
-      candidates: how many there are.
-      numbers: returns all numbers of the task that is drawn from a key: `[P]` int32.
-      number, seed: the tasks to train on are drawn from the keys (seed, 0 .. number - 1).
+      task_from: returns the task that is drawn from a key, as its numbers: `[P]` int32.
+      num_training, seed: the tasks to train on are drawn from (seed, 0 .. num_training - 1).
     """
-    training = _training_tasks(numbers, number, seed)
-    keys = random_bits(key, stream, candidates, 2)
-
-    def is_held_out(candidate: Array) -> Array:
-        is_equal = jnp.all(training == numbers(candidate)[None], axis=1)
-        return ~jnp.any(is_equal)
-
-    first = jnp.argmax(jax.vmap(is_held_out)(keys))
-    return keys[first]
+    training_tasks = _training_tasks(task_from, num_training, seed)
+    candidates = random_bits(key, stream, num_candidates, 2)
+    tasks = jax.vmap(task_from)(candidates)
+    is_same = jnp.all(tasks[:, None] == training_tasks[None], axis=2)
+    is_held_out = ~jnp.any(is_same, axis=1)
+    return candidates[jnp.argmax(is_held_out)]
 
 
 @lru_cache(maxsize=8)
-def _training_tasks(numbers: Callable[[Array], Array], number: int, seed: int) -> Array:
-    """Returns the numbers of all tasks to train on: `[number, P]` int32, known while tracing."""
+def _training_tasks(task_from: Callable[[Array], Array], num_training: int, seed: int) -> Array:
+    """Returns the tasks to train on: `[num_training, P]` int32, known while tracing."""
     with jax.ensure_compile_time_eval():
-        of_task = jax.jit(jax.vmap(lambda task: numbers(key_of(seed, task))))
-        training: Array = of_task(jnp.arange(number, dtype=jnp.uint32))
+        tasks_from = jax.jit(jax.vmap(lambda task: task_from(key_of(seed, task))))
+        training: Array = tasks_from(jnp.arange(num_training, dtype=jnp.uint32))
     return training
 
 

@@ -31,17 +31,15 @@ def to_channels(
         value = cells[..., index, :]
         match plane.encoding:
             case "word":
-                channels += [
-                    (value == jnp.uint8(label)).astype(dtype) for label in range(len(plane.labels))
-                ]
+                for label in range(len(plane.labels)):
+                    channels.append((value == jnp.uint8(label)).astype(dtype))
             case "bits":
-                channels += [
-                    ((value >> jnp.uint8(label)) & jnp.uint8(1)).astype(dtype)
-                    for label in range(len(plane.labels))
-                ]
+                for label in range(len(plane.labels)):
+                    bit = (value >> jnp.uint8(label)) & jnp.uint8(1)
+                    channels.append(bit.astype(dtype))
             case "number":
-                scaled = value.astype(dtype)
-                channels.append(
-                    scaled / jnp.asarray(plane.high, dtype) if scale_numbers else scaled
-                )
+                numbers = value.astype(dtype)
+                if scale_numbers:
+                    numbers = numbers / jnp.asarray(plane.high, dtype)
+                channels.append(numbers)
     return jnp.concatenate(channels, axis=-1).reshape(*lead, len(channels), rows, cols)

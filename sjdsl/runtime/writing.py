@@ -137,8 +137,8 @@ def _places_of_writers(values: Array, numbers: tuple[Array, ...]) -> list[Array]
         number = number.astype(jnp.int32)
         from_start = jnp.where(number < 0, number + values.shape[axis], number)
         of_writers = jnp.broadcast_to(from_start, shape).reshape(-1)
-        scalars = [lax.squeeze(one, (0,)) for one in jnp.split(of_writers, len(of_writers))]
-        matches_by_axis.append([along == scalar for scalar in scalars])
+        of_each = jnp.split(of_writers, len(of_writers))
+        matches_by_axis.append([along == lax.squeeze(number, (0,)) for number in of_each])
     return [reduce(operator.and_, matches) for matches in zip(*matches_by_axis, strict=True)]
 
 
@@ -146,6 +146,8 @@ def _entries(values: Array, numbers: tuple[Array, ...], new: Any) -> list[Array]
     """Returns what each writer writes, with an axis of length 1 for each of the numbers."""
     shape = np.broadcast_shapes(*(number.shape for number in numbers))
     entry_shape = values.shape[len(numbers) :]
-    of_writers = jnp.broadcast_to(jnp.asarray(new).astype(values.dtype), (*shape, *entry_shape))
-    flat = of_writers.reshape(-1, *entry_shape)
-    return [one.reshape((1,) * len(numbers) + entry_shape) for one in jnp.split(flat, len(flat))]
+    converted = jnp.asarray(new).astype(values.dtype)
+    of_writers = jnp.broadcast_to(converted, (*shape, *entry_shape)).reshape(-1, *entry_shape)
+    of_each = jnp.split(of_writers, len(of_writers))
+    with_axes = (1,) * len(numbers) + entry_shape
+    return [entry.reshape(with_axes) for entry in of_each]

@@ -1,5 +1,7 @@
 """Checks declarations: names that clash, timers and `tick`, and what is never used."""
 
+from itertools import chain
+
 from sjdsl.compiler import ir
 from sjdsl.compiler.ast.names import Symbol
 from sjdsl.compiler.compose import Composition
@@ -34,9 +36,8 @@ def check_state_names(game: ir.Game, problems: Problems) -> None:
 def check_timers(game: ir.Game, composition: Composition, problems: Problems) -> None:
     """Reports a missing, doubled or needless `tick`, and timers set on both sides of it."""
     timers = [field for field in all_fields(game) if field.timer]
-    away = [
-        body_type(n.who) for n in ir.walk(game) if isinstance(n, ir.Send) and n.after is not None
-    ]
+    sends = [node for node in ir.walk(game) if isinstance(node, ir.Send)]
+    away = [body_type(send.who) for send in sends if send.after is not None]
     ticks = [place for place, turn in enumerate(game.schedule) if isinstance(turn, ir.Tick)]
     assert composition.schedule is not None
     span = composition.schedule.span
@@ -80,18 +81,24 @@ def check_unused(
 
 def _check_actions(game: ir.Game, composition: Composition, problems: Problems) -> None:
     """Warns of actions that change nothing: no rule asks who chose them, and nobody moves."""
-    nodes = [n for turn in game.schedule for n in ir.walk(turn)]
-    asked = {game.agents.actions[n.action] for n in nodes if isinstance(n, ir.Chose)}
-    asked |= {n.action for n in nodes if isinstance(n, ir.ChoseWith)}
-    moving = any(isinstance(n, ir.Move) and n.course is None for n in nodes)
+    used = {"stay"}
+    agents_move = False
+    for node in chain.from_iterable(map(ir.walk, game.schedule)):
+        match node:
+            case ir.Chose():
+                used.add(game.agents.actions[node.action])
+            case ir.ChoseWith():
+                used.add(node.action)
+            case ir.Move(course=None):
+                agents_move = True
     assert composition.acts is not None
     names = [action.name for action in composition.acts.actions]
-    idle = [name for name in names if name.text not in asked and name.text != "stay"]
+    idle = [name for name in names if name.text not in used]
     for name in idle:
         if name.text not in MOVES:
             problems.add(errors.IdleAction(name.span, name=name.text))
     steps = [name for name in idle if name.text in MOVES]
-    if steps and not moving:
+    if steps and not agents_move:
         listed = ", ".join(f"`{name.text}`" for name in steps)
         problems.add(errors.IdleSteps(steps[0].span, names=listed))
 

@@ -13,6 +13,7 @@ from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.free_variables import free_variables, renamed
 from sjdsl.compiler.ir.implications import conjuncts, facts, is_known
 from sjdsl.compiler.ir.queries import (
+    are_one_field,
     blocks_always,
     closes_paths,
     contains,
@@ -26,28 +27,30 @@ Walk = ir.Go | ir.Aim
 
 def check_policies(game: ir.Game, sources: Mapping[str, Source], problems: Problems) -> None:
     """Warns of each `seek` and `aim` that cannot work, in policies and in checks."""
-    there = [kind for kind in game.kinds if num_cells(game, (kind.name,))]
-    closed = [
-        (kind.name, condition)
-        for kind in there
-        for condition in _conditions(kind, are_seen=False)
-        if _lasts(condition, game)
-    ]
+    closed: list[tuple[str, ir.Expr]] = []
+    for kind in game.kinds:
+        if num_cells(game, (kind.name,)):
+            for condition in _conditions(kind, are_seen=False):
+                if _lasts(condition, game):
+                    closed.append((kind.name, condition))
     for walk in _walks(game):
         if isinstance(walk, ir.Go):
             _check_goal(walk.domain, game, sources, problems)
-        named = [d.var.entity_type.names for d in (walk.domain, walk.avoided) if d is not None]
-        for kind, condition in closed:
-            if not any(kind in names for names in named):
+        named = walk.domain.var.entity_type.names
+        if walk.avoided is not None:
+            named += walk.avoided.var.entity_type.names
+        for name, condition in closed:
+            if name not in named:
                 when = _written(condition, sources)
-                turns = any(
-                    isinstance(node, ir.Attribute) and node.name == "heading"
-                    for node in ir.walk(condition)
-                )
-                avoided = (
-                    kind if turns else f"{kind} where {when}"
-                )  # after each turn other cells block by heading
-                problems.add(errors.BlindPath(walk.span, kind=kind, when=when, avoided=avoided))
+                avoided = f"{name} where {when}"
+                if _reads_heading(condition):  # then each turn of the agent closes other cells
+                    avoided = name
+                problems.add(errors.BlindPath(walk.span, kind=name, when=when, avoided=avoided))
+
+
+def _reads_heading(condition: ir.Expr) -> bool:
+    attributes = [node for node in ir.walk(condition) if isinstance(node, ir.Attribute)]
+    return any(attribute.name == "heading" for attribute in attributes)
 
 
 def _walks(game: ir.Game) -> Iterator[Walk]:
@@ -91,10 +94,8 @@ def _reason(kind: ir.Kind, goal: ir.Domain, sources: Mapping[str, Source]) -> st
         return ""
     known = () if goal.where is None else facts(goal.where)
     for condition in _conditions(kind):
-        if all(
-            is_known(part, known)
-            for part in conjuncts(renamed(condition, {kind.name: goal.var.name}))
-        ):
+        of_goal = renamed(condition, {kind.name: goal.var.name})
+        if all(is_known(part, known) for part in conjuncts(of_goal)):
             return f" when {_written(condition, sources)}"
     return None
 
@@ -104,13 +105,12 @@ def _conditions(kind: ir.Kind, are_seen: bool = True) -> list[ir.Expr]:
 
     are_seen: with those that paths take into account.
     """
-    return [
-        block.condition
-        for block in kind.blocks
-        if block.what == "agents"
-        and block.condition is not None
-        and (are_seen or not closes_paths(block))
-    ]
+    conditions = []
+    for block in kind.blocks:
+        if block.what == "agents" and block.condition is not None:
+            if are_seen or not closes_paths(block):
+                conditions.append(block.condition)
+    return conditions
 
 
 def _lasts(condition: ir.Expr, game: ir.Game) -> bool:
@@ -124,12 +124,11 @@ def _lasts(condition: ir.Expr, game: ir.Game) -> bool:
         return False
     nodes = [node for turn in game.schedule for node in ir.walk(turn)]
     written = [written_field(node.target) for node in nodes if isinstance(node, ir.Set | ir.Add)]
-    for read in (node for node in ir.walk(condition) if isinstance(node, ir.FieldRead)):
-        changes = any(
-            field.name == read.name and field.held_by.overlaps(read.held_by) for field in written
-        )
-        if changes or declared_field(game, read).timer:
-            return False
+    for read in ir.walk(condition):
+        if isinstance(read, ir.FieldRead):
+            is_written = any(are_one_field(field, read) for field in written)
+            if is_written or declared_field(game, read).timer:
+                return False
     return True
 
 

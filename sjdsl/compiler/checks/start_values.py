@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.fold import UnknownValue
-from sjdsl.compiler.ir.queries import declared_field, glyphs_of, starts_of
+from sjdsl.compiler.ir.queries import are_one_field, declared_field, glyphs_of, starts_of
 from sjdsl.compiler.ir.values import Evaluation, decided
 
 
@@ -89,9 +89,7 @@ def _is_kept(read: ir.FieldRead, game: ir.Game) -> bool:
         return False
     if read.held_by.what == "world" and read.name == "trial":
         return True
-    return any(
-        kept.name == read.name and kept.held_by.overlaps(read.held_by) for kept in game.trials.kept
-    )
+    return any(are_one_field(kept, read) for kept in game.trials.kept)
 
 
 def _in_row(start: Any, type_: ir.Type) -> Any:

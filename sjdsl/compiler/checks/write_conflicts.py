@@ -181,11 +181,12 @@ class Write(Record, eq=False):
                 target[name] = f"entry {place}"
         if self.owner is not None:
             target[self.owner.name] = "target"
-        return tuple(
-            Fact(fact.condition, target)
-            for fact in self.around.facts
-            if {v.name for v in free_variables(fact.condition)} <= target.keys()
-        )
+        about_target = []
+        for fact in self.around.facts:
+            variables = free_variables(fact.condition)
+            if all(variable.name in target for variable in variables):
+                about_target.append(Fact(fact.condition, target))
+        return tuple(about_target)
 
 
 def check_conflicts(game: ir.Game, problems: Problems) -> None:
@@ -282,18 +283,15 @@ def _forms(*parts: ir.Expr | None) -> Form:
 def _place_writes(
     s: ir.Send | ir.Shift | ir.Remove, value: Form, depends: frozenset[str], around: Around
 ) -> Iterator[Write]:
-    """Yields the writes of a place, and of the heading that comes with it."""
-    entity_type = body_type(s.who)
-    yield Write("place", Target("place", entity_type.name), s.who, value, depends, s, around)
-    if isinstance(s, ir.Remove) or s.facing == "same":
-        return
-    if entity_type.what == "mover":  # its heading is a field
-        heading = Target("mover", "heading", entity_type.names)
-    elif around.turns_agents:
-        heading = Target("agent", "heading")
-    else:
-        return
-    yield Write("set", heading, s.who, value, depends, s, around)
+    """Yields the write of a place, and that of the heading with which one arrives there."""
+    body = body_type(s.who)
+    place = Target("place", body.name)
+    yield Write("place", place, s.who, value, depends, s, around)
+    turns = not isinstance(s, ir.Remove) and s.facing != "same"
+    # A mover's heading is a field like others; an agent's matters only if some statement sets it.
+    if turns and (body.what == "mover" or around.turns_agents):
+        heading = Target(body.what, "heading", body.names)
+        yield Write("set", heading, s.who, value, depends, s, around)
 
 
 def _field_write(s: ir.Set | ir.Add, around: Around) -> Write:
@@ -373,7 +371,7 @@ def _is_alone_by_keys(w: Write) -> bool:
         quantifier = quantifiers.pop()
         if quantifier.single:
             continue
-        # Two lanes can reach one member.
+        # Two lanes of a shape can reach one member.
         if isinstance(quantifier.statement, ir.First) or names.isdisjoint(quantifier.names):
             return False
         if isinstance(quantifier.statement, ir.Each):
@@ -419,7 +417,10 @@ def _compatible(a: Write, b: Write, bounded: Collection[Write]) -> bool:
 def _exclusive(a: Write, b: Write) -> bool:
     """Returns whether the two writes can never reach the same target in one phase."""
     ways_of_b = {id(branch.statement): branch.way for branch in b.around.branches}
-    apart = [x for x in a.around.branches if ways_of_b.get(id(x.statement), x.way) != x.way]
+    apart = []  # the branches that `a` is in where `b` is in another one of the same statement
+    for branch in a.around.branches:
+        if ways_of_b.get(id(branch.statement), branch.way) != branch.way:
+            apart.append(branch)
     if any(branch.once for branch in apart):
         return True
     if a.is_alone and b.is_alone:

@@ -17,11 +17,10 @@ from sjdsl.compiler.elaborate.agents import build_agents
 from sjdsl.compiler.elaborate.declarations import build_kinds, declare_numbers, declare_world
 from sjdsl.compiler.elaborate.looks import looks
 from sjdsl.compiler.elaborate.metrics_and_checks import (
-    check_requires,
     checks,
+    declare_requires,
     events,
     measures,
-    requires,
 )
 from sjdsl.compiler.elaborate.observations import hidden, observables
 from sjdsl.compiler.elaborate.policies import policies, scenarios
@@ -33,7 +32,6 @@ from sjdsl.compiler.elaborate.tasks import check_not_told, task
 from sjdsl.compiler.elaborate.trials import episode
 from sjdsl.compiler.elaborate.window import window
 from sjdsl.compiler.elaborate.world_map import check_rows, count_cells, glyph_table, read_rows
-from sjdsl.compiler.ir.implications import facts
 
 
 class Overrides(Record):
@@ -64,17 +62,29 @@ def elaborate(
     static.phases = tuple(game.phases.values())
     declare_world(game, static, problems)
     rows = _read_map(game, static, overrides, problems)
+    typed = _typed_game(game, rows, static, problems)
+    report_never(static.never.values(), problems)
+    return typed, static
+
+
+def _typed_game(
+    game: Composition, rows: tuple[str, ...], static: Static, problems: Problems
+) -> ir.Game | None:
+    """Returns the typed game; None if a part of it is missing.
+
+    Every part is elaborated even so: `problems` gets the mistakes of all. The order matters: later
+    parts know the length of an episode and the `require`s, and what agents see is compared with all
+    rules.
+    """
     scope = Scope(static, problems)
+    checks_scope = Scope(static, problems, part="checks", events_readable=True)
     length = None
     trials = None
     with problems.skip_if_broken():
         length, trials = episode(game, scope)
         know_steps(length, static)
     kinds = build_kinds(game, static, problems)
-    checks_scope = Scope(static, problems, part="checks", events_readable=True)
-    static.requires = requires(game, checks_scope)
-    static.required_facts = tuple(fact for required in static.requires for fact in facts(required))
-    check_requires(game, checks_scope)
+    declare_requires(game, checks_scope)
     agents = build_agents(game, static, problems)
     start_phase = start(game, scope)
     typed_task = task(game, scope)
@@ -97,9 +107,8 @@ def elaborate(
         typed_events = events(phases, scope)
     typed_policies, policy_shapes = _policies_and_shapes(game, scope)
     typed_scenarios = scenarios(game, scope)
-    report_never(static.never.values(), problems)
     if agents is None or start_phase is None or length is None or game.schedule is None:
-        return None, static
+        return None
     typed = ir.Game(
         name=game.name,
         title=game.title,
@@ -134,7 +143,7 @@ def elaborate(
         policy_shapes=policy_shapes,
         scenarios=typed_scenarios,
     )
-    return with_shown_events(game, typed, scope), static
+    return with_shown_events(game, typed, scope)
 
 
 def _policies_and_shapes(

@@ -85,7 +85,8 @@ def set_(s: ast.Set, scope: Scope, streams: Streams) -> ir.Stmt:
         limit = inf if field.timer else target.type.high
         if low < target.type.low or high > limit:
             help_ = _instead_of_set(s, field, target, scope)
-            raise _leaves_range(s.value.span, target, low, high, scope, help_)
+            interval = interval_text(low, high)
+            raise _leaves_range(errors.FieldRange, s.value.span, target, interval, scope, help_)
     lot = None
     if s.lot is not None:
         if s.lot.text != "lot":
@@ -169,7 +170,8 @@ def add(s: ast.Add, scope: Scope) -> ir.Stmt:
         low += value.type.low
         high += value.type.high
         if low < target.type.low or high > target.type.high:
-            raise _leaves_range(s.span, target, low, high, scope)
+            interval = interval_text(low, high)
+            raise _leaves_range(errors.FieldRange, s.span, target, interval, scope)
     return ir.Add(target=target, value=value, origin=s.span)
 
 
@@ -200,7 +202,21 @@ def _leaves_reals(
     span: Span, target: ir.Expr, reached: Range, scope: Scope, help_: str = ""
 ) -> Poisoned:
     """Reports a real that can leave the range of a field, or float32."""
-    problem = errors.FieldRange if reached.sound else errors.LeavesFloat32InField
+    interval = f"{reached.low:.9g} .. {reached.high:.9g}"
+    if reached.sound:
+        return _leaves_range(errors.FieldRange, span, target, interval, scope, help_)
+    return _leaves_range(errors.LeavesFloat32InField, span, target, interval, scope)
+
+
+def _leaves_range(
+    problem: type[errors.FieldRange],
+    span: Span,
+    target: ir.Expr,
+    reached: str,
+    scope: Scope,
+    help_: str = "",
+) -> Poisoned:
+    """Reports a value that can be outside the range of the field it is written to."""
     return scope.fail(
         problem(
             span,
@@ -208,24 +224,7 @@ def _leaves_reals(
             declared=declared_name(target),
             low=target.type.low,
             high=target.type.high,
-            reached=f"{reached.low:.9g} .. {reached.high:.9g}",
-            help=help_ if reached.sound else "",
-        )
-    )
-
-
-def _leaves_range(
-    span: Span, target: ir.Expr, low: float, high: float, scope: Scope, help_: str = ""
-) -> Poisoned:
-    """Reports a value that can be outside the range of the field it is written to."""
-    return scope.fail(
-        errors.FieldRange(
-            span,
-            name=text(target),
-            declared=declared_name(target),
-            low=target.type.low,
-            high=target.type.high,
-            reached=interval_text(low, high),
+            reached=reached,
             help=help_,
         )
     )

@@ -97,8 +97,10 @@ def _type_span(name: str, game: Composition) -> Span | None:
 
 def parameters_read(static: Static, *values: ir.Expr) -> tuple[Label, ...]:
     """Returns labels where the parameters in values are declared; none if there are too many."""
-    nodes = chain.from_iterable(map(ir.walk, values))
-    names = dict.fromkeys(node.name for node in nodes if isinstance(node, ir.ParamRef))
-    spans = {name: static.params[name].origin for name in names}
-    labels = tuple(Label(span, f"`{name}`") for name, span in spans.items() if span is not None)
-    return labels if len(labels) <= MOST_LABELS else ()
+    labels: dict[str, Label] = {}
+    for node in chain.from_iterable(map(ir.walk, values)):
+        if isinstance(node, ir.ParamRef):
+            span = static.params[node.name].origin
+            if span is not None:
+                labels[node.name] = Label(span, f"`{node.name}`")
+    return tuple(labels.values()) if len(labels) <= MOST_LABELS else ()

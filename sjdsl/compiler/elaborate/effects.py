@@ -217,11 +217,11 @@ def _cells_to_choose_from(d: ast.Domain, arrival_scope: Scope, scope: Scope) -> 
 def _domain_of_cell(span: Span, cell: ir.Expr) -> ir.Domain:
     """Returns the domain of one cell, with a variable that the cell doesn't read."""
     names_read = {variable.name for variable in free_variables(cell)}
-    name = next(n for n in ("cell", "cell_", "cell__") if n not in names_read)
-    var = ir.Member(
-        name=name, entity_type=ir.EntityType("cell", kinds_of_cell(cell) or ()), origin=span
-    )
-    return ir.Domain(var=var, where=ir.Same(left=var, right=cell, origin=span), origin=span)
+    name = next(name for name in ("cell", "cell_", "cell__") if name not in names_read)
+    entity_type = ir.EntityType("cell", kinds_of_cell(cell) or ())
+    var = ir.Member(name=name, entity_type=entity_type, origin=span)
+    is_cell = ir.Same(left=var, right=cell, origin=span)
+    return ir.Domain(var=var, where=is_cell, origin=span)
 
 
 def _one_cell(d: ast.Domain | ast.Path, scope: Scope) -> ir.Expr | None:

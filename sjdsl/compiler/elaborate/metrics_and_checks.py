@@ -31,25 +31,29 @@ REQUIRES = (
 CHANGING = ir.FieldRead | ir.Aggregate | ir.EventTotal | ir.Step | ir.Member
 
 
-def requires(game: Composition, scope: Scope) -> tuple[ir.Expr, ...]:
-    """Returns the conditions of all `require`s, about numbers and the map only.
+def declare_requires(game: Composition, scope: Scope) -> None:
+    """Keeps what the `require`s say, which proofs elsewhere rely on.
 
-    Proofs elsewhere rely on them.
+    Reports those that read more than numbers and the map, and those that the numbers of the file
+    break.
     """
-
-    def requirement(check: ast.Require) -> ir.Expr:
-        """Returns the condition of a `require`, which reads only what is fixed at the start."""
-        test = _required(check, scope)
-        for node in ir.walk(test):
-            if isinstance(node, CHANGING):
-                span = node.origin or check.span
-                quantity = "what a `require` reads"
-                raise scope.fail(errors.NotFixed(span, quantity=quantity, help=REQUIRES))
-        return test
-
     written = chain.from_iterable(game.checks.values())
-    required = [check for check in written if isinstance(check, ast.Require)]
-    return tuple(scope.problems.each(required, requirement))
+    requires = [check for check in written if isinstance(check, ast.Require)]
+    tests = scope.problems.each(requires, lambda check: _fixed_at_start(check, scope))
+    scope.static.required_facts = scope.knowing(tests).facts
+    for test in tests:
+        _check_holds(test, scope)
+
+
+def _fixed_at_start(check: ast.Require, scope: Scope) -> ir.Expr:
+    """Returns the condition of a `require`; reports it if it reads what changes in an episode."""
+    test = _required(check, scope)
+    for node in ir.walk(test):
+        if isinstance(node, CHANGING):
+            span = node.origin or check.span
+            quantity = "what a `require` reads"
+            raise scope.fail(errors.NotFixed(span, quantity=quantity, help=REQUIRES))
+    return test
 
 
 def _required(check: ast.Require, scope: Scope) -> ir.Expr:
@@ -122,24 +126,21 @@ def _holds_at_start(
     return decided(test, Evaluation(start, tolerance=TOLERANCE))
 
 
-def check_requires(game: Composition, scope: Scope) -> None:
-    """Reports every `require` that the file's own numbers break."""
+def _check_holds(test: ir.Expr, scope: Scope) -> None:
+    """Reports the condition of a `require` that the numbers of the file break."""
     values = {name: param.value for name, param in scope.static.params.items()}
-    for test in scope.static.requires:
-        if holds(test, values):
-            continue
-        problem = text(test)
-        parameters = {node.name for node in ir.walk(test) if isinstance(node, ir.ParamRef)}
-        numbers = []
-        for name in sorted(parameters):
-            if not isinstance(values[name], tuple):
-                numbers.append(f"{name} is {values[name]}")
-        if numbers:
-            problem = f"{problem} ({', '.join(numbers)})"
-        labels = parameters_read(scope.static, test)
-        scope.problems.add(
-            errors.RequireFalse(test.origin or game.span, labels=labels, problem=problem)
-        )
+    if holds(test, values):
+        return
+    parameters = {node.name for node in ir.walk(test) if isinstance(node, ir.ParamRef)}
+    numbers = []
+    for name in sorted(parameters):
+        if not isinstance(values[name], tuple):
+            numbers.append(f"{name} is {values[name]}")
+    problem = text(test)
+    if numbers:
+        problem = f"{problem} ({', '.join(numbers)})"
+    labels = parameters_read(scope.static, test)
+    scope.problems.add(errors.RequireFalse(test.span, labels=labels, problem=problem))
 
 
 def events(phases: Iterable[ir.Node], scope: Scope) -> tuple[ir.Event, ...]:

@@ -115,11 +115,11 @@ def _drop_fields_of_whole(
 
 def _read(field: ir.Observable, parts: Sequence[ir.Node]) -> bool:
     """Returns whether some parts of the rules name a field of cells."""
-    nodes = chain.from_iterable(map(ir.walk, parts))
-    reads = (node for node in nodes if isinstance(node, ir.FieldRead))
-    return any(
-        read.name == field.field and read.held_by.overlaps(field.entity_type) for read in reads
-    )
+    for read in chain.from_iterable(map(ir.walk, parts)):
+        if isinstance(read, ir.FieldRead) and read.name == field.field:
+            if read.held_by.overlaps(field.entity_type):
+                return True
+    return False
 
 
 def _check_labels_of_whole(
@@ -264,13 +264,12 @@ def _agent_labels(key: Key, field: ir.VarField) -> tuple[ir.Label, ...]:
     if what != "world":
         owner = ir.Member(name=kind or names.get(what, ""), entity_type=field.held_by)
     held = ir.FieldRead(type=field.type, owner=owner, held_by=field.held_by, name=name)
-    tests = (
-        ir.Same(left=held, right=ir.Nobody()),
-        ir.Same(left=held, right=ir.Member(name="agent", entity_type=AGENTS)),
-        None,
-    )
-    return tuple(
-        ir.Label(name=label, condition=test) for label, test in zip(WHOSE, tests, strict=True)
+    nobody, mine, another = WHOSE
+    observer = ir.Member(name="agent", entity_type=AGENTS)
+    return (
+        ir.Label(name=nobody, condition=ir.Same(left=held, right=ir.Nobody())),
+        ir.Label(name=mine, condition=ir.Same(left=held, right=observer)),
+        ir.Label(name=another, condition=None),
     )
 
 

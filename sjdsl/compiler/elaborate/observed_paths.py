@@ -21,6 +21,7 @@ from sjdsl.compiler.ir.types import words
 What = Literal["cell", "own", "other", "mover", "everyone", "world", "heading"]
 Key = tuple[What, str, str]  # what, kind, field
 OWNERS: dict[str, What] = {"agent": "own", "other": "other", "everyone": "everyone"}
+NO_OR_YES = words(("no", "yes"))  # what is shown of a condition
 WHO = {  # the owners of fields of agents, as messages call them
     "agent": "the observer itself",
     "other": "the other agents",
@@ -45,7 +46,7 @@ def observer_scope(what: str, kind: str, name: str, scope: Scope) -> Scope:
 
     name: by which the text calls a cell, perhaps that of a group.
     """
-    observer = scope.with_agent("observe").but(facts=scope.static.observed_facts)
+    observer = _observer_alone(scope)
     match what:
         case "cell":
             cell = ir.Member(name=kind, entity_type=ir.EntityType("cell", (kind,)))
@@ -58,6 +59,11 @@ def observer_scope(what: str, kind: str, name: str, scope: Scope) -> Scope:
             return observer.bind_member(what, AGENTS)
         case _:
             return observer
+
+
+def _observer_alone(scope: Scope) -> Scope:
+    """Returns what a condition may name that isn't about something seen: `agent`, the observer."""
+    return scope.with_agent("observe").but(facts=scope.static.observed_facts)
 
 
 def resolve(observable: ast.Show | ast.Hide, scope: Scope) -> list[Seen]:
@@ -93,7 +99,7 @@ def resolve(observable: ast.Show | ast.Hide, scope: Scope) -> list[Seen]:
     if is_show and (head == "step" or head in static.defines):
         if head in static.defines and len(static.defines[head].parameters) == 1:
             raise _without_observer(path, scope)
-        return [_computed("world", path, path.name, scope)]
+        return [_computed_value("world", path, path.name, scope)]
     if head not in static.fields:
         raise _without_field(observable, scope)
     static.use(path.name, Symbol("name", head))
@@ -123,7 +129,7 @@ def _of_observer(define: ast.Path, observer: ast.Name, scope: Scope) -> Seen:
         raise scope.expected(observer.span, "`agent`, the observer", f"`{observer.text}`")
     argument = ast.Path(observer.span, observer, ())
     call = ast.Call(define.span, define.name, (argument,))
-    return _computed("own", call, define.name, scope)
+    return _computed_value("own", call, define.name, scope)
 
 
 def _without_observer(path: ast.Path, scope: Scope) -> Poisoned:
@@ -138,17 +144,23 @@ def _without_observer(path: ast.Path, scope: Scope) -> Poisoned:
     )
 
 
-def _computed(what: Literal["own", "world"], tree: ast.Expr, name: ast.Name, scope: Scope) -> Seen:
-    """Returns `step` or a define, with the interval of its numbers between two steps."""
-    observer = observer_scope(what, "", "", scope)
+def _computed_value(
+    what: Literal["own", "world"], tree: ast.Expr, name: ast.Name, scope: Scope
+) -> Seen:
+    """Returns `step` or a define as if it were a field of the observer or of the world.
+
+    Its numbers have the interval in which they are when agents observe.
+    """
+    observer = _observer_alone(scope)
     value = observer.expression(tree)
-    if value.type.indexed_by or value.type.kind in ("member", "mix"):
-        raise wrong_type(observer, tree, "a single value", value.type)
-    if value.type.kind == "condition":
-        type_ = words(("no", "yes"))
+    type_ = value.type
+    if type_.indexed_by or type_.kind in ("member", "mix"):
+        raise wrong_type(observer, tree, "a single value", type_)
+    if type_.kind == "condition":
+        type_ = NO_OR_YES
     else:
         low, high = narrowed(value, observer.facts)
-        type_ = value.type.changed(low=low, high=high)
+        type_ = type_.changed(low=low, high=high)
     held_by = AGENTS if what == "own" else ir.EntityType("world")
     field = ir.VarField(name=name.text, held_by=held_by, type=type_)
     return Seen((what, "", name.text), field, value)
@@ -234,7 +246,7 @@ def _attribute(head: str, name: ast.Name, scope: Scope) -> ir.VarField:
         )
     type_ = attribute_types(scope.static)[name.text]
     if type_.kind == "condition":
-        type_ = words(("no", "yes"))
+        type_ = NO_OR_YES
     return ir.VarField(name=name.text, held_by=AGENTS, type=type_)
 
 

@@ -38,7 +38,7 @@ class Static:
     references: each name that was resolved, with what it stands for. used: what makes a
       difference to the game. required: numbers that a `require` reads, which doesn't use them.
     broken: what has a mistake in its declaration, where that is reported; uses of it are not.
-    required_facts: what `requires` say. observed_facts, rule_facts: what holds in every state that
+    required_facts: what the `require`s say. observed_facts, rule_facts: what holds in every state that
       is observed, or that rules read.
     sized: fields whose range is made of sizes.
     never: by phase and define, a list for each use of it: what can't happen in that use.
@@ -79,7 +79,6 @@ class Static:
     required: set[Symbol] = field(default_factory=set)
     broken: set[Symbol] = field(default_factory=set)
     expansions: int = 0
-    requires: tuple[ir.Expr, ...] = ()
     required_facts: tuple[Fact, ...] = ()
     observed_facts: tuple[Fact, ...] = ()
     rule_facts: tuple[Fact, ...] = ()

@@ -223,28 +223,22 @@ def _between(s: ast.Draw, source: ast.Expr, scope: Scope, stream: int) -> ir.Dra
 
 
 def _draw_range(s: ast.Draw, low: ir.Expr, high: ir.Expr, scope: Scope) -> ir.Type:
-    """Returns the type of a number drawn between two others."""
-    low_unit = low.type.unit
-    high_unit = high.type.unit
-    if "number" not in (low_unit, high_unit) and low_unit != high_unit:
+    """Returns the type of a number drawn between two others; reports ends that may be crossed."""
+    unit = join_units(low.type.unit, high.type.unit)
+    if unit is None:
         raise scope.fail(
-            errors.UnitMismatch(s.span, verb="draw between", left=low_unit, right=high_unit)
+            errors.UnitMismatch(
+                s.span, verb="draw between", left=low.type.unit, right=high.type.unit
+            )
         )
     known = scope.facts_and_requires
-    is_ordered = (
-        low.type.high <= high.type.low
-        or compares(high, ">=", low, known)
-        or compares(high, ">", low, known)
-    )
-    if not is_ordered:
+    is_known_order = compares(high, ">=", low, known) or compares(high, ">", low, known)
+    if low.type.high > high.type.low and not is_known_order:
         labels = parameters_read(scope.static, low, high)
         raise scope.fail(errors.Crossed(s.span, labels=labels, low=text(low), high=text(high)))
     if "real" in (low.type.kind, high.type.kind):
-        unit = join_units(low_unit, high_unit)
-        if unit is None or unit in INTEGER_UNITS:
-            unit = "number"
-        return real(low.type.low, high.type.high, unit)
-    unit = high_unit if low_unit == "number" else low_unit
+        real_unit = "number" if unit in INTEGER_UNITS else unit
+        return real(low.type.low, high.type.high, real_unit)
     type_ = integer(low.type.low, high.type.high, unit)
     check_number_of_values(type_, s.span, scope, "give the parameters limits, `in a .. b`")
     return type_
@@ -332,9 +326,9 @@ def quantifier(s: ast.Each | ast.Pick | ast.First, scope: Scope, streams: Stream
             return ir.First(domain=members, body=body, origin=s.span)
         case ast.Pick():
             assert number is not None
-            otherwise = (
-                () if s.otherwise is None else other_branch(s.otherwise, header, scope, streams)
-            )
+            otherwise: tuple[ir.Stmt, ...] = ()
+            if s.otherwise is not None:
+                otherwise = other_branch(s.otherwise, header, scope, streams)
             return ir.Pick(
                 number=number,
                 most=int(min(max(number.type.high, 0), limits.MAX_DRAWN)),

@@ -20,11 +20,12 @@ def layout(piece: Piece, column: int, indent: int, after: int, bracketed: bool =
         return whole
     if isinstance(piece, Chain):
         return _chain(piece, column, indent, after)
-    last_line = " ".join((piece.rest[-1][0], flat(piece.rest[-1][1])))
-    fits_alone = indent + len(last_line) + after <= WIDTH
-    last = None if bracketed and fits_alone else _last_broken(piece, column, indent, after)
-    if last is not None:
-        return last
+    op, last = piece.rest[-1]
+    last_fits = indent + len(f"{op} {flat(last)}") + after <= WIDTH
+    if not bracketed or not last_fits:
+        broken = _last_broken(piece, column, indent, after)
+        if broken is not None:
+            return broken
     if not bracketed:
         inside = layout(piece, indent + INDENT, indent + INDENT, 0, bracketed=True)
         return f"(\n{' ' * (indent + INDENT)}{inside}\n{' ' * indent})"
@@ -51,19 +52,17 @@ def _last_broken(piece: Operation, column: int, indent: int, after: int) -> str 
 
 def _chain(chain: Chain, column: int, indent: int, after: int) -> str:
     """Breaks the longest brackets of a chain, and others as far as the lines are still too long."""
-    parts = list(chain.pieces)
-    brackets = [i for i, part in enumerate(parts) if isinstance(part, Bracketed) and part.items]
+    brackets = [part for part in chain.pieces if isinstance(part, Bracketed) and part.items]
     if not brackets:
         return flat(chain)
-    widest = max(brackets, key=lambda i: len(flat(parts[i])))
-    bracket = parts[widest]
-    assert isinstance(bracket, Bracketed)
-    before = Chain(tuple(parts[:widest]))
-    behind = Chain(tuple(parts[widest + 1 :]))
-    head = layout(before, column, indent, len(bracket.open)) if before.pieces else ""
-    tail = layout(behind, indent + len(bracket.close), indent, after) if behind.pieces else ""
-    items = _items(bracket, indent + INDENT)
-    return f"{head}{bracket.open}\n{items}\n{' ' * indent}{bracket.close}{tail}"
+    longest = max(brackets, key=lambda bracket: len(flat(bracket)))
+    place = chain.pieces.index(longest)
+    before = Chain(chain.pieces[:place])
+    behind = Chain(chain.pieces[place + 1 :])
+    head = layout(before, column, indent, len(longest.open))
+    items = _items(longest, indent + INDENT)
+    tail = layout(behind, indent + len(longest.close), indent, after)
+    return f"{head}{longest.open}\n{items}\n{' ' * indent}{longest.close}{tail}"
 
 
 def _items(bracket: Bracketed, indent: int) -> str:

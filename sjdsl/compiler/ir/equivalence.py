@@ -103,11 +103,13 @@ def _form_of_part(value: object, names: Names, memo: Memo | None) -> object:
 def _form_of_domain(d: Domain, names: Names) -> tuple[Form, Names]:
     """Returns the form of a domain, and what stands for the variables inside it."""
     inner = {**names, d.var.name: len(names)}
+    kinds_on = None
     if d.on is not None:
         inner[d.on.name] = len(names) + 1
+        kinds_on = d.on.kinds
     restriction = None if d.restriction is None else form(d.restriction, names)
     where = None if d.where is None else form(d.where, inner)
-    return (d.var.entity_type, None if d.on is None else d.on.kinds, restriction, where), inner
+    return (d.var.entity_type, kinds_on, restriction, where), inner
 
 
 @cache

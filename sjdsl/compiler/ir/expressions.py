@@ -453,6 +453,10 @@ class Shape(Node):
     see_through: bool
     directed: bool
 
+    @property
+    def num_cells(self) -> int:
+        return sum(map(len, self.lanes))
+
 
 class Near(RestrictionNode):
     """The shape's cells around `anchor`, a Member; `shape` names one of `Game.shapes`."""

@@ -32,6 +32,7 @@ from sjdsl.compiler.ir.game import (
     Event,
     Game,
     GlyphMeaning,
+    Kept,
     Kind,
     Movers,
     Observable,
@@ -108,16 +109,19 @@ def declared_field(game: Game, read: FieldRead, kind: str | None = None) -> VarF
     return next(f for f in all_fields(game) if (f.held_by, f.name) == (owner, read.name))
 
 
-def can_be(read: FieldRead, declared: VarField) -> bool:
-    """Returns whether the variable that is read or written may be one of those declared."""
-    return read.name == declared.name and read.held_by.overlaps(declared.held_by)
+def are_one_field(first: FieldRead | VarField | Kept, second: FieldRead | VarField) -> bool:
+    """Returns whether a field that is declared, kept, read or written may be the same as another.
+
+    It may not if their holders differ, such as cells of two kinds.
+    """
+    return first.name == second.name and first.held_by.overlaps(second.held_by)
 
 
 def sets(node: Node, declared: VarField) -> bool:
     """Returns whether a node sets one of the variables declared, or an entry of it."""
     if not isinstance(node, Set) or not isinstance(node.target, FieldRead | At):
         return False
-    return can_be(written_field(node.target), declared)
+    return are_one_field(written_field(node.target), declared)
 
 
 def written_field(target: Expr) -> FieldRead:

@@ -49,6 +49,7 @@ from sjdsl.compiler.lower.allowed_actions import NUM_ACTIONS, READING, allowed_a
 from sjdsl.compiler.lower.assignments import fields_of_several_lots
 from sjdsl.compiler.lower.assignments import finish as finish_writes
 from sjdsl.compiler.lower.axes import as_dtype
+from sjdsl.compiler.lower.beginning import begun
 from sjdsl.compiler.lower.cell_appearance import token_planes
 from sjdsl.compiler.lower.draws import KEY
 from sjdsl.compiler.lower.map_tables import Layout
@@ -73,7 +74,6 @@ from sjdsl.compiler.lower.trials import next_trial
 from sjdsl.compiler.lower.writer import Module, Writer, replaced
 from sjdsl.compiler.program import Constant, Fact, Field, Function, Group, Number, Program
 from sjdsl.compiler.program.expressions import (
-    DTYPES,
     Cast,
     Expression,
     Literal,
@@ -83,11 +83,11 @@ from sjdsl.compiler.program.expressions import (
     Where,
     as_array,
     call,
+    concatenated,
     constant,
     live,
     path,
     reduction,
-    scalar,
     zeros,
 )
 from sjdsl.runtime.fields import StateField
@@ -160,11 +160,10 @@ def _program(game: ir.Game, source: str, module: Module) -> Program:
     phases = dict.fromkeys(turn.function for turn in turns)
     beginning = [_reset(game, module)]
     if game.trials is not None:
-        laid = _laid(game, module)
-        beginning.append(next_trial(game, game.trials, laid, started, module))
+        beginning.append(next_trial(game, game.trials, _laid(game, module), module))
     if game.task is not None:
         beginning.append(_phase(game.task.draw, (), module))
-        beginning += functions_of_task(game.task, _drawn(game.task), module)
+        beginning += functions_of_task(game.task, module)
     functions = (*constructors, *beginning, _step(turns, module), *starts, *phases, *others)
     constants, numbers = _used(functions, module)
     hash_ = game_hash(game)
@@ -261,10 +260,10 @@ def _constructor(name: str, class_: str, doc: str, fields: list[Field]) -> Funct
 
 def _reset(game: ir.Game, module: Module) -> Function:
     w = Writer(module)
-    state = started(game.start, _laid(game, module))
+    state = begun(game.start, _laid(game, module))
     for phase in game.starting:
         w.set(STATE, state)
-        state = started(phase, STATE)
+        state = begun(phase, STATE)
     w.give_back(state)
     doc = "Returns the first state of an episode. `key`: two uint32 words."
     parameters = (("params", "Params"), ("key", "Array"))
@@ -275,18 +274,7 @@ def _laid(game: ir.Game, module: Module) -> Expression:
     """Returns the state before `start`: what is declared, and the task of the episode."""
     if game.task is None:
         return call("initial_state")
-    return task_of_episode(game.task, module) or _drawn(game.task)
-
-
-def _drawn(task: ir.Task) -> Expression:
-    """Returns the state before `start`, with any task."""
-    return started(task.draw, call("initial_state"))
-
-
-def started(phase: ir.Phase, before: Expression) -> Expression:
-    """Returns the state in which a phase before the first step leaves another."""
-    actions = call("jnp.full", Name("NUM_AGENTS"), STAY, DTYPES["i32"])
-    return call(phase.name, before, call("no_outcome"), PARAMS, actions, KEY)[0]
+    return task_of_episode(game.task, module)
 
 
 def _step(turns: list[Turn], module: Module) -> Function:
@@ -370,9 +358,7 @@ def _all_marks(phase: ir.Phase, w: Writer) -> Expression:
     missing = mark_size(phase, w.game) - sum(w.marked.values())
     if missing:
         parts.append(zeros("i32", missing))
-    if len(parts) == 1:
-        return parts[0]
-    return call("jnp.concatenate", parts)
+    return concatenated(parts)
 
 
 def _written(phase: ir.Phase, sources: Mapping[str, Source]) -> str:
@@ -380,9 +366,13 @@ def _written(phase: ir.Phase, sources: Mapping[str, Source]) -> str:
     span = phase.origin
     if span is None or span.file not in sources:
         return f"Phase `{phase.label}`."
-    first, *rest = sources[span.file].text[span.start : span.end].splitlines()
+    text = sources[span.file].text[span.start : span.end]
+    first, *others = text.splitlines()
     margin = re.compile(rf"\s{{0,{span.column - 1}}}")
-    return "\n".join([first, *(margin.sub("", line, count=1).rstrip() for line in rest)])
+    lines = [first]
+    for line in others:
+        lines.append(margin.sub("", line, count=1).rstrip())
+    return "\n".join(lines)
 
 
 def _tick(pools: Pools, module: Module) -> Function:
@@ -413,14 +403,13 @@ def _tick(pools: Pools, module: Module) -> Function:
 def _measures(module: Module) -> Function:
     """Returns the function that computes the metrics of a state."""
     w = Writer(module, "measures")
-    values = []
+    values = {}
     for measure in module.game.measures:
         w.origin = measure.origin
         value = as_dtype(w.value(measure.value, IterationScope()), "f32")
-        node = scalar(value.node, "f32") if value.literal else value.node
-        values.append((measure.name, node))
+        values[measure.name] = value.array.node
     w.origin = None
-    w.give_back(constant(dict(values)))
+    w.give_back(constant(values))
     doc = "Returns the `mean` and `final` values at the end of a step: float32 scalars by name."
     return Function("measures", READING, "dict[str, Array]", doc, live(w.body))
 

@@ -14,6 +14,7 @@ from sjdsl.compiler.lower.axes import (
     Axes,
     Value,
     as_dtype,
+    common,
     iota,
     literal,
     reduce,
@@ -30,7 +31,6 @@ from sjdsl.compiler.program.expressions import (
     Lambda,
     Unary,
     call,
-    constant,
     path,
 )
 
@@ -64,7 +64,8 @@ def is_over_neighbours(e: ir.Count | ir.Sum | ir.Extreme, scope: IterationScope,
         return False
     if anchor.axis is None and scope.axes[0].size < state_reads.MANY:
         return False
-    return _reads_fields_of(d, e) and _num_cells(d.restriction, w) <= MOST
+    shape = w.module.shape(d.restriction.shape)
+    return _reads_fields_of(d, e) and shape.num_cells <= MOST
 
 
 def _reads_fields_of(d: ir.Domain, e: ir.Count | ir.Sum | ir.Extreme) -> bool:
@@ -81,10 +82,6 @@ def _reads_fields_of(d: ir.Domain, e: ir.Count | ir.Sum | ir.Extreme) -> bool:
         if isinstance(node, ir.FieldRead) and isinstance(node.owner, ir.Member):
             reads_field = reads_field or node.owner.name == d.var.name
     return reads_field
-
-
-def _num_cells(near: ir.Near, w: Writer) -> int:
-    return sum(map(len, w.module.shape(near.shape).lanes))
 
 
 def over_neighbours(
@@ -182,8 +179,9 @@ def _number_on_map(d: ir.Domain, w: Writer) -> Value | None:
 def _exact_sum(values: Value, over: Axes) -> Value:
     """Returns the sum of reals over axes, which decides something."""
     axes = union(values.axes, over)
-    places = constant(tuple(axes.index(axis) for axis in over))
-    return Value(call("exact_sum", spread(values, axes), places), "f32", without(axes, over))
+    places = tuple(axes.index(axis) for axis in over)
+    node = call("exact_sum", spread(values, axes), places)
+    return Value(node, "f32", without(axes, over))
 
 
 def extreme(e: ir.Extreme, scope: IterationScope, w: Writer) -> Value:
@@ -203,7 +201,7 @@ def extreme(e: ir.Extreme, scope: IterationScope, w: Writer) -> Value:
     added = without(inner.axes, scope.axes)
     value = as_dtype(w.value(e.value, inner), dtype)
     mask = inner.mask
-    if any(a in value.axes for a in added):
+    if common(added, value.axes):
         if mask != TRUE and otherwise not in (None, neutral):
             mask = w.keep("member", mask)  # it is read twice
         value = reduce(reduction.array, select(mask, value, neutral), added)
@@ -269,4 +267,5 @@ def _near(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
         other = CellVar(iota(axis), d.var.kinds, axis)
         member = w.value(d.where, scope.binding(d.var.name, other))
     vector = member.node if axis in member.axes else spread(member, (axis,))
-    return w.keep("near", Value(call("count_near", vector, table), "i32", (anchor.axis,)))
+    near = call("count_near", vector, table)
+    return w.keep("near", Value(near, "i32", (anchor.axis,)))

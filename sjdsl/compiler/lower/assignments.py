@@ -12,7 +12,6 @@ instances that name one entry writes it. What is added is collected, and written
 
 from collections import Counter
 from dataclasses import replace
-from math import prod
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.diagnostics.frozen import Record
@@ -29,12 +28,14 @@ from sjdsl.compiler.lower.axes import (
     as_dtype,
     axes_of,
     broadcast,
+    common,
     iota,
     joined,
     literal,
     one_hot,
     reduce,
     select,
+    size_of,
     spread,
     taken,
     union,
@@ -330,7 +331,7 @@ def _write(target: Target, value: Value, w: Writer) -> None:
     if owner_axes is None:
         _scatter(target, key, value, w)
         return
-    if key is not None and any(axis.size > 1 for axis in without(key.axes, owner_axes)):
+    if key is not None and size_of(without(key.axes, owner_axes)) > 1:
         _scatter(target, key, value, w)
         return
     dtype = state_reads.storage(target.declared, w)
@@ -361,10 +362,10 @@ def _of_the_one(value: Value, over: Axes, mask: Value) -> Value:
     unless at most one instance writes each target: then they have length 1, or `mask` holds for one
     instance at most.
     """
-    differing = tuple(axis for axis in over if axis in value.axes)
+    differing = common(over, value.axes)
     if not differing:
         return value
-    if any(axis.size > 1 for axis in differing):
+    if size_of(differing) > 1:
         assert mask != TRUE, over
         # All but one instance add 0.
         number: DType = value.dtype if value.dtype in ("f32", "u32") else "i32"
@@ -392,9 +393,11 @@ def _entry(
 ) -> Value:
     """Returns a field of rows with the value at the key's entry where the mask holds."""
     if key.literal:
-        new = select(mask, value, taken(before, key.node, before.levels - 1))
-        of_sets = {"axis": -2} if before.levels > 1 else {}
-        return replace(before, node=call("set_entry", before.node, key.node, new.node, **of_sets))
+        old = taken(before, key.node, before.levels - 1)
+        new = select(mask, value, old)
+        keywords = {"axis": -2} if before.levels > 1 else {}  # behind it are the numbers of a set
+        node = call("set_entry", before.node, key.node, new.node, **keywords)
+        return replace(before, node=node)
     entries = w.axis("entry", target.num_entries(w))
     row = replace(before, axes=(*before.axes, entries), levels=before.levels - 1)
     after = select(one_hot(key, entries) & mask, value, row)
@@ -453,8 +456,8 @@ def add(s: ir.Add, scope: IterationScope, w: Writer) -> None:
 def _count_terms(target: Target, s: ir.Add, w: Writer) -> None:
     """Counts the terms of an exact sum, and refuses too many."""
     separate = target.owner_axes or ()  # each member of these has a sum of its own
-    summed = prod(axis.size for axis in target.scope.axes if axis not in separate)
-    terms = w.terms.get(target.attribute, 0) + summed
+    summed = without(target.scope.axes, separate)
+    terms = w.terms.get(target.attribute, 0) + size_of(summed)
     if terms >= MOST_TERMS:
         feature = (
             f"{MOST_TERMS:,} or more additions in a phase to a real field that decides something"
@@ -476,15 +479,15 @@ def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None
         row = select(one_hot(key, entries), terms, 0)
         terms = replace(row, node=aligned(row, (*axes, entries)), axes=axes, levels=1)
     if is_exact:
-        reals = scalar(terms.node, "f32") if terms.literal else terms.node
-        terms = Value(call("fixed_point", reals), "i32", terms.axes, terms.levels + 1)
+        digits = call("fixed_point", terms.array.node)
+        terms = Value(digits, "i32", terms.axes, terms.levels + 1)
     if target.owner_axes is not None:
         total = _total(target, target.owner_axes, terms, is_exact)
     else:
         assert target.who is not None
         total = _scattered(target, target.who, terms, is_exact, w)
     sums = w.added.setdefault(target.attribute, [])
-    sums.append(w.keep(f"{target.attribute}_added", total))
+    sums.append(w.keep(f"{target.attribute}_added", total).node)
 
 
 def _total(target: Target, owner_axes: Axes, terms: Value, is_exact: bool) -> Value:
@@ -506,13 +509,16 @@ def _scattered(target: Target, who: Variable, terms: Value, is_exact: bool, w: W
     axes = axes_of(who.number, terms)
     total = reduce("sum", terms, without(target.scope.axes, axes))
     extent = w.module.extent(who.entity_type)
-    levels = target.read.type.indexed_by
-    none = zeros("f32" if is_exact else total.dtype, extent, *map(w.module.num_entries, levels))
+    row = map(w.module.num_entries, target.read.type.indexed_by)
+    dtype = "f32" if is_exact else total.dtype
+    none = zeros(dtype, extent, *row)
     if is_exact:
         none = call("fixed_point", none)
-    sums = written("add_at", none, (spread(who.number, axes),), aligned(total, axes))
+    places = spread(who.number, axes)
+    sums = written("add_at", none, (places,), aligned(total, axes))
     everybody = Axis(f"all of {target.attribute}", extent.size, 0)
-    return Value(sums, total.dtype, (everybody,), len(levels) + is_exact)
+    levels = len(target.read.type.indexed_by) + is_exact
+    return Value(sums, total.dtype, (everybody,), levels)
 
 
 def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
@@ -539,7 +545,7 @@ def _add_member(s: ir.Add, target: Target, w: Writer) -> None:
     axis = None
     if isinstance(s.value, ir.Member):
         axis = target.scope.variables[s.value.name].axis
-    adds_each_once = axis in axes and all(a.size == 1 for a in axes if a != axis)
+    adds_each_once = axis in axes and size_of(axes) == axis.size
     sets: Expression
     if who is None:
         sets = _folded(places, masked_number.node, sizes, w)
@@ -576,21 +582,24 @@ def _folded(
 
 def finish(w: Writer) -> None:
     """Writes what the `add`s of a phase have collected: sums, clipped if capped, and sets."""
+    declared_by_attribute = {attribute_name(field): field for field in all_fields(w.game)}
     for attribute, sums in w.added.items():
-        declared = next(f for f in all_fields(w.game) if attribute_name(f) == attribute)
+        declared = declared_by_attribute[attribute]
         stored_dtype = state_reads.storage(declared, w)
-        dtype: DType = "i32" if declared.type.kind == "int" else "f32"
-        node = as_dtype(Value(w.current(attribute), stored_dtype), dtype).node
+        is_whole = declared.type.kind == "int"
+        before = Value(w.current(attribute), stored_dtype)
+        node = as_dtype(before, "i32" if is_whole else "f32").node
         is_exact = attribute in w.terms
         if is_exact:
             node = call("fixed_point", node)
-        node = _combined("+", node, [total.node for total in sums], attribute, w)
+        node = _combined("+", node, sums, attribute, w)
         if is_exact:
             node = call("rounded", node)
         if declared.capped:
-            number = float if dtype == "f32" else int
+            number = int if is_whole else float
             low = number(declared.type.low)
-            node = call("jnp.clip", node, low, number(declared.type.high))
+            high = number(declared.type.high)
+            node = call("jnp.clip", node, low, high)
         if stored_dtype not in ("i32", "f32"):
             node = Cast(node, stored_dtype)
         w.assign(attribute, node)

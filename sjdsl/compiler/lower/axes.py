@@ -121,6 +121,11 @@ class Value(Record):
         return isinstance(self.node, Literal)
 
     @property
+    def array(self) -> "Value":
+        """This value; a literal as an array, `jnp.int32(1)` for 1."""
+        return replace(self, node=scalar(self.node, self.dtype)) if self.literal else self
+
+    @property
     def number(self) -> float:
         """The number that a literal is."""
         assert isinstance(self.node, Literal) and isinstance(self.node.value, int | float)
@@ -178,7 +183,8 @@ def one_hot(number: Value, axis: Axis) -> Value:
 
 def union(*axes: Axes) -> Axes:
     """Returns all the axes, left to right."""
-    return tuple(sorted({a for group in axes for a in group}, key=lambda a: a.order))
+    distinct = set[Axis]().union(*axes)
+    return tuple(sorted(distinct, key=lambda axis: axis.order))
 
 
 def axes_of(*values: Value | None) -> Axes:
@@ -189,6 +195,16 @@ def axes_of(*values: Value | None) -> Axes:
 def without(axes: Axes, others: Axes) -> Axes:
     """Returns the axes that are not among others."""
     return tuple(axis for axis in axes if axis not in others)
+
+
+def common(axes: Axes, others: Axes) -> Axes:
+    """Returns the axes that are also among others."""
+    return tuple(axis for axis in axes if axis in others)
+
+
+def size_of(axes: Axes) -> int:
+    """Returns how many entries an array over these axes has."""
+    return prod(axis.size for axis in axes)
 
 
 def aligned(value: Value, axes: Axes, levels: int = 0) -> Expression:
@@ -260,8 +276,10 @@ def called(kernel: str, *arguments: Value | Part, dtype: DType | None = None) ->
     """
     first = arguments[0]
     assert isinstance(first, Value)
-    axes = axes_of(*(a for a in arguments if isinstance(a, Value)))
-    nodes = [aligned(a, axes) if isinstance(a, Value) else a for a in arguments]
+    axes = axes_of(*(argument for argument in arguments if isinstance(argument, Value)))
+    nodes: list[Part] = []
+    for argument in arguments:
+        nodes.append(aligned(argument, axes) if isinstance(argument, Value) else argument)
     return Value(call(kernel, *nodes), dtype or first.dtype, axes, first.levels)
 
 
@@ -401,13 +419,13 @@ def reduce(fn: OneOf["any", "all", "sum", "min", "max"], value: Value, over: Axe
 
     A value without one of the axes is the same all along it, so its sum is multiplied.
     """
-    has = () if value.literal else tuple(axis for axis in over if axis in value.axes)
-    result = _reduced(fn, value, has) if has else value
+    varying = common(over, value.axes)
+    result = _reduced(fn, value, varying) if varying else value
     if fn != "sum":
         return result
     if result.dtype == "bool":
         result = as_dtype(result, "i32")
-    return result * prod(axis.size for axis in over if axis not in value.axes)
+    return result * size_of(without(over, value.axes))
 
 
 def _reduced(fn: OneOf["any", "all", "sum", "min", "max"], value: Value, over: Axes) -> Value:

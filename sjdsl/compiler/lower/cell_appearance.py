@@ -1,6 +1,7 @@
 """Numbers for the appearance of cells, as they are painted and as an observer sees them."""
 
 from dataclasses import replace
+from itertools import product
 from math import inf, prod
 
 from sjdsl.compiler import ir
@@ -68,8 +69,11 @@ class Look(Record):
     @property
     def same(self) -> bool:
         """Whether an observer is shown the painted values, in the same order."""
-        plain = all(not s.labels and s.hidden_when is None for s in self.observables)
-        return plain and [f.name for f, _ in self.painted] == [s.field for s in self.observables]
+        for observable in self.observables:
+            if observable.labels or observable.hidden_when is not None:
+                return False
+        painted = [field.name for field, _ in self.painted]
+        return painted == [observable.field for observable in self.observables]
 
 
 def observable_words(observable: ir.Observable) -> tuple[str, ...]:
@@ -145,7 +149,8 @@ def _as_another(look: Look, game: ir.Game) -> str | None:
     hidden_kinds = {kind for hidden in game.hidden for kind in hidden.kinds}
     if look.kind.name in hidden_kinds or name in hidden_kinds:
         return None
-    is_plain_kind = name in _kinds_on_map(game) and all(s.kind != name for s in game.observables)
+    shown_kinds = {observable.kind for observable in game.observables}
+    is_plain_kind = name in _kinds_on_map(game) - shown_kinds
     return name if name == OUTSIDE or is_plain_kind else None
 
 
@@ -225,10 +230,10 @@ def content_labels(game: ir.Game) -> tuple[str, ...]:
 
 def _states(kind: ir.Kind, game: ir.Game) -> list[str]:
     """Returns the labels of all states that are seen of a kind, the first field slowest."""
-    names = [kind.name]
+    shown = []
     for observable in _observables_of(kind, game):
-        names = [f"{n} {observable.field}={w}" for n in names for w in observable_words(observable)]
-    return names
+        shown.append([f"{observable.field}={word}" for word in observable_words(observable)])
+    return [" ".join((kind.name, *values)) for values in product(*shown)]
 
 
 def seen_marks(game: ir.Game) -> tuple[ir.Phase, ...]:
@@ -333,12 +338,11 @@ def largest(e: ir.Expr, game: ir.Game) -> float:
     """Returns an upper bound of a number, whatever the parameters are set to."""
     if not isinstance(e, ir.Local) or e.type.high != inf:
         return e.type.high
-    bounds = [
-        largest(node.high, game)
-        for node in ir.walk(game)
-        if isinstance(node, ir.Draw) and node.name == e.name and node.high is not None
-    ]
-    return max(bounds, default=e.type.high)
+    bounds = []
+    for node in ir.walk(game):
+        if isinstance(node, ir.Draw) and node.name == e.name and node.high is not None:
+            bounds.append(largest(node.high, game))
+    return max(bounds, default=inf)
 
 
 def relative_heading(difference: Expression, same: int) -> Expression:

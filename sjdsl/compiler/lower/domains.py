@@ -6,6 +6,7 @@ adds an axis for the cells of the beam, a variable `water` whose numbers are the
 and a mask: there is a cell of water, and it is dirty.
 """
 
+import re
 from dataclasses import replace
 
 from sjdsl.compiler import ir
@@ -16,11 +17,13 @@ from sjdsl.compiler.lower.axes import (
     Axis,
     Value,
     axes_of,
+    broadcast,
     called,
     indexed,
     iota,
     literal,
     looked_up,
+    reduce,
     spread,
 )
 from sjdsl.compiler.lower.scope import (
@@ -218,13 +221,14 @@ def sites_in(
     shape = w.module.shape(near.shape)
     if isinstance(anchor, CellVar):
         anchor = state_reads.placed(anchor, w)
-        axis = w.axis(name, sum(map(len, shape.lanes)))
+        axis = w.axis(name, shape.num_cells)
         table = neighbours_constant(near, anchor, kinds, w)
         neighbours = table if anchor.axis is not None else table[anchor.number.node]
         site = Value(neighbours, "i32", (*anchor.number.axes, axis))
         return site, state_reads.is_site(site, kinds, w)
     swept = sweep(near, scope, w)
-    site = w.keep(_site_name(near, kinds), state_reads.site_at(swept.cells, kinds, w))
+    numbers = state_reads.site_at(swept.cells, kinds, w)
+    site = w.keep(_site_name(near, kinds), numbers)
     return site, state_reads.is_site(site, kinds, w) & swept.unblocked
 
 
@@ -250,7 +254,7 @@ def has_inner_blocks(shape: ir.Shape, w: Writer) -> bool:
 
 def shape_name(shape: str) -> str:
     """Returns a shape as a part of names: `disc(2)` is `disc_2`."""
-    return "_".join("".join(c if c.isalnum() else " " for c in shape).split())
+    return "_".join(re.findall(r"[^\W_]+", shape))
 
 
 def _has_changing_blocks(shape: ir.Shape, w: Writer) -> bool:
@@ -273,8 +277,7 @@ def sweep(near: ir.Near, scope: IterationScope, w: Writer) -> Swept:
     comment = f"cells of {shape.name} from an agent's cell, for each heading"
     table = w.module.constant(f"{prefix}_offsets", offsets, comment)
     if (prefix, anchor) not in w.shape_axes:
-        num_cells = sum(map(len, shape.lanes))
-        size = w.module.number(f"num_{prefix}_cells", num_cells, "cells of the shape")
+        size = w.module.number(f"num_{prefix}_cells", shape.num_cells, "cells of the shape")
         w.shape_axes[prefix, anchor] = w.axis(prefix, size)
     axis = w.shape_axes[prefix, anchor]
     location = state_reads.location(anchor, w)
@@ -366,7 +369,7 @@ def _reached_past_changing(shape: ir.Shape, on_map: Value, cells: Value, w: Writ
         if block.what == name:
             blocked = blocked | _agents_block(block, cells, w)
     blocked = w.keep(f"{name}_blocked", blocked)
-    starts = [number == 0 for lane in shape.lanes for number in range(len(lane))]
+    starts = [place == 0 for lane in shape.lanes for place in range(len(lane))]
     comment = f"first cells of the lanes of {name}"
     first = w.module.constant(f"{name}_starts", starts, comment, "bool")
     return called("reached", blocked, on_map.node, first)
@@ -374,12 +377,13 @@ def _reached_past_changing(shape: ir.Shape, on_map: Value, cells: Value, w: Writ
 
 def _agents_block(block: ir.Block, cells: Value, w: Writer) -> Value:
     """Returns on which of the cells an agent stands that blocks a shape."""
+    axis = w.axis("blocker", w.module.agents)
     standing = stand_on(cells, state_reads.positions(w))
+    blocks = Value(standing, "bool", (*cells.axes, axis))
     if block.condition is not None:
-        axis = w.axis("blocker", w.module.agents)
-        stops = spread(w.value(block.condition, scope_of_agents((axis,))), (axis,))
-        standing = standing & stops[*[NEW_AXIS] * len(cells.axes), :]
-    return Value(reduction("any", standing, (len(cells.axes),)), "bool", cells.axes)
+        test = w.value(block.condition, scope_of_agents((axis,)))
+        blocks = blocks & broadcast(test, (axis,))
+    return reduce("any", blocks, (axis,))
 
 
 def conditional_blocks(name: str, w: Writer) -> list[tuple[ir.Block, ir.Kind]]:
@@ -389,10 +393,10 @@ def conditional_blocks(name: str, w: Writer) -> list[tuple[ir.Block, ir.Kind]]:
     """
     pairs = []
     for kind in w.game.kinds:
-        if w.layout.num_cells((kind.name,)):
-            for block in kind.blocks:
-                if block.what == name and block.condition is not None:
-                    pairs.append((block, kind))
+        is_on_map = w.layout.num_cells((kind.name,)) > 0
+        for block in kind.blocks:
+            if is_on_map and block.what == name and block.condition is not None:
+                pairs.append((block, kind))
     return pairs
 
 

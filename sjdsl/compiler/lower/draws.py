@@ -8,12 +8,10 @@ from dataclasses import replace
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower.axes import (
-    Axes,
     Axis,
     Value,
     aligned,
     as_dtype,
-    axes_of,
     called,
     iota,
     literal,
@@ -31,7 +29,6 @@ from sjdsl.compiler.program.expressions import (
     Name,
     as_array,
     call,
-    scalar,
 )
 
 KEY = Name("key")
@@ -47,9 +44,9 @@ def random_bits(stream: int, scope: IterationScope, w: Writer, extra: Axis | Non
     number = literal(0, "i32")
     for digit, radix in digits:
         number = number * radix + digit
-    node = as_array(number.node, "u32") if number.literal else Cast(number.node, "u32")
+    unsigned = as_array(number.node, "u32") if number.literal else Cast(number.node, "u32")
     stream_number = w.stream(stream)
-    instance = w.keep_node("instance", node, "u32")
+    instance = w.keep_node("instance", unsigned, "u32")
     bits = call("random_bits_at", KEY, stream_number, instance)
     return w.keep("word", Value(bits, "u32", number.axes))
 
@@ -66,14 +63,12 @@ def need_no_state(digits: tuple[tuple[Value, Literal], ...]) -> bool:
 
     digits: of an instance's number, each with how many values it can have.
     """
-    for place, (digit, radix) in enumerate(digits):
+    for digit, _ in digits:
         counts_up = isinstance(digit.node, Arange) and len(digit.axes) == 1
         if not counts_up:
             return False
-        is_first = place == 0
-        if not is_first and digit.axes[0].size != radix.value:
-            return False
-    return True
+    # The first digit may have fewer values than it could: that leaves no gap between numbers.
+    return all(digit.axes[0].size == radix.value for digit, radix in digits[1:])
 
 
 def chances(s: ir.Chance, scope: IterationScope, w: Writer) -> tuple[list[Value], Value]:
@@ -113,15 +108,14 @@ def first_limit(probability: ir.Expr, scope: IterationScope, w: Writer) -> Value
 
 def _threshold(p: Value) -> Value:
     """Returns the limit below which 31 random bits lie with a probability."""
-    return Value(call("threshold", _array(p, p.axes)), "u32", p.axes)
+    return called("threshold", p.array, dtype="u32")
 
 
 def _next_limit(lower: Value, probability: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     """Returns the limit of a branch. lower: the limit of the branch before it."""
     with w.deciding():
         p = operand(probability, _probability(probability, scope, w), w)
-    axes = axes_of(lower, p)
-    return Value(call("next_threshold", aligned(lower, axes), _array(p, axes)), "u32", axes)
+    return called("next_threshold", lower, p.array)
 
 
 def _branch_name(branch: ir.Branch, noun: str) -> str:
@@ -142,11 +136,6 @@ def _probability(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
     return p
 
 
-def _array(p: Value, axes: Axes) -> Expression:
-    """Returns a probability as an array, aligned with axes."""
-    return scalar(p.node, "f32") if p.literal else aligned(p, axes)
-
-
 def draw(s: ir.Draw, scope: IterationScope, w: Writer) -> Value:
     """Returns a drawn number or enum value, or a row of them if the draw is `by` something."""
     if s.by is None:
@@ -157,16 +146,17 @@ def draw(s: ir.Draw, scope: IterationScope, w: Writer) -> Value:
     drawn = _dealt(s, bits) if s.different else _drawn(s, bits, scope, w)
     # The axis of the entries becomes the level of the row.
     axes = without(drawn.axes, (entries,))
-    return w.keep(s.name, Value(aligned(drawn, (*axes, entries)), drawn.dtype, axes, levels=1))
+    row = Value(aligned(drawn, (*axes, entries)), drawn.dtype, axes, levels=1)
+    return w.keep(s.name, row)
 
 
 def _dealt(s: ir.Draw, bits: Value) -> Value:
     """Returns different enum values, or different whole numbers, along the last axis of `bits`."""
     if s.words:
-        return Value(Cast(call("dealt_values", bits.node, len(s.words)), "u8"), "u8", bits.axes)
+        return as_dtype(called("dealt_values", bits, len(s.words), dtype="i32"), "u8")
     low = int(s.type.low)
-    size = int(s.type.high) - low + 1
-    return Value(call("dealt_values", bits.node, size), "i32", bits.axes) + low
+    num_values = int(s.type.high) - low + 1
+    return called("dealt_values", bits, num_values, dtype="i32") + low
 
 
 def _drawn(s: ir.Draw, bits: Value, scope: IterationScope, w: Writer) -> Value:
@@ -174,16 +164,14 @@ def _drawn(s: ir.Draw, bits: Value, scope: IterationScope, w: Writer) -> Value:
     if s.weights:
         return _weighted(s, bits, scope, w)
     if s.words:
-        place = Cast(call("below", bits.node, len(s.words)), "u8")
-        return Value(place, "u8", bits.axes)
+        return as_dtype(called("below", bits, len(s.words), dtype="i32"), "u8")
     assert s.low is not None and s.high is not None
     if s.type.kind == "real":
         return _between(s, s.low, s.high, bits, scope, w)
     low = as_dtype(w.value(s.low, scope), "i32")
     high = as_dtype(w.value(s.high, scope), "i32")
-    span = high - low + 1
-    drawn = called("below", bits, span, dtype="i32")
-    return drawn + low
+    num_values = high - low + 1
+    return called("below", bits, num_values, dtype="i32") + low
 
 
 def _between(

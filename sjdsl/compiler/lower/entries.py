@@ -49,14 +49,15 @@ def entry(e: ir.At, scope: IterationScope, w: Writer) -> Value:
     if key.literal or not row.axes:
         return replace(taken(row, key.node, row.levels - 1), axes=row.axes or key.axes)
     axes = axes_of(row, key)
-    if e.type.kind == "agents" and row.levels == 2:
-        sets = call("entry", numbers_first(row_aligned(row, axes)), aligned(key, axes))
+    entries = row_aligned(row, axes)
+    keys = aligned(key, axes)
+    if row.levels == 1:
+        return Value(call("entry", entries, keys), row.dtype, axes)
+    if e.type.kind == "agents" and row.levels == 2:  # large sets
+        sets = call("entry", numbers_first(entries), keys)
         return Value(numbers_last(sets), row.dtype, axes, 1)
-    if row.levels != 1:
-        feature = "a table of several levels by words that differ from member to member"
-        raise NotSupported(feature, e.origin, "write one of the words out with `case`")
-    node = call("entry", row_aligned(row, axes), aligned(key, axes))
-    return Value(node, row.dtype, axes)
+    feature = "a table of several levels by words that differ from member to member"
+    raise NotSupported(feature, e.origin, "write one of the words out with `case`")
 
 
 def row_key(e: ir.Expr, level: Level, scope: IterationScope, w: Writer) -> Value:

@@ -13,6 +13,7 @@ from sjdsl.compiler.ir.operations import CALCULATIONS, REDUCTIONS
 from sjdsl.compiler.lower import chosen, state_reads
 from sjdsl.compiler.lower.aggregates import count, extreme, total
 from sjdsl.compiler.lower.axes import (
+    FALSE,
     TRUE,
     Value,
     aligned,
@@ -72,7 +73,8 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
         case ir.Local():
             return scope.locals[e.name]
         case ir.FieldRead():
-            return state_reads.field(e, None if e.owner is None else owner(e.owner, scope, w), w)
+            holder = None if e.owner is None else owner(e.owner, scope, w)
+            return state_reads.field(e, holder, w)
         case ir.Attribute():
             return attribute(e, scope, w)
         case ir.Distance():
@@ -109,7 +111,8 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             assert isinstance(cell, CellVar)
             return ~state_reads.occupied(cell, w)
         case ir.StandsOn():
-            _, is_on = state_reads.site_under(agent(e.agent, scope, w), e.kinds, w)
+            who = agent(e.agent, scope, w)
+            _, is_on = state_reads.site_under(who, e.kinds, w)
             return is_on
         case ir.StandsAt():
             # One that is away is on cell 0 of the frame, which is no cell of the map.
@@ -151,7 +154,8 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             is_short = value.dtype == "bool" and len(list(walk(value.node))) < LARGE
             return value if is_short else w.keep(e.name, value)
         case ir.Narrowed():
-            return to_words(lower(e.value, scope, w), e.value.type.words, e.type.words, w)
+            word = lower(e.value, scope, w)
+            return to_words(word, e.value.type.words, e.type.words, w)
         case ir.Before():
             with w.reading("before"):  # a parameter of the functions of checks
                 return lower(e.value, scope, w)
@@ -285,9 +289,8 @@ def distance(e: ir.Distance, scope: IterationScope, w: Writer) -> Value:
     a = owner(e.left, scope, w)
     b = owner(e.right, scope, w)
     for cell, observer in ((a, b), (b, a)):
-        if isinstance(cell, CellVar) and cell.seen and isinstance(observer, AgentVar):
-            if observer.axis == cell.seen[0]:
-                return state_reads.seen_steps(w, *cell.seen)
+        if isinstance(cell, CellVar) and cell.seen and observer.axis == cell.seen[0]:
+            return state_reads.seen_steps(w, *cell.seen)
     rows = _in_frame(a, "row", w) - _in_frame(b, "row", w)
     cols = _in_frame(a, "col", w) - _in_frame(b, "col", w)
     layout = w.layout
@@ -304,8 +307,10 @@ def bearing(e: ir.Bearing, scope: IterationScope, w: Writer) -> Value:
     """
     a = agent(e.left, scope, w)
     b = owner(e.right, scope, w)
-    row_of_a, row_of_b = (_in_frame(variable, "row", w) for variable in (a, b))
-    col_of_a, col_of_b = (_in_frame(variable, "col", w) for variable in (a, b))
+    row_of_a = _in_frame(a, "row", w)
+    row_of_b = _in_frame(b, "row", w)
+    col_of_a = _in_frame(a, "col", w)
+    col_of_b = _in_frame(b, "col", w)
     layout = w.layout
     steps_to = [  # the north, east, south and west
         (row_of_a - row_of_b, layout.height),
@@ -313,14 +318,14 @@ def bearing(e: ir.Bearing, scope: IterationScope, w: Writer) -> Value:
         (row_of_b - row_of_a, layout.height),
         (col_of_a - col_of_b, layout.width),
     ]
+    if e.fn == "steps_right":  # to the right of north is east, and so on
+        steps_to = [*steps_to[1:], steps_to[0]]
     by_heading = []
     for steps, length in steps_to:
         by_heading.append(called("shorter_way", steps, length) if layout.wraps else steps)
-    if e.fn == "steps_right":  # to the right of north is east, and so on
-        by_heading = [*by_heading[1:], by_heading[0]]
     heading = w.keep("heading", state_reads.heading(a, w))
-    arms = [(heading.eq(number), steps) for number, steps in enumerate(by_heading[:-1])]
-    return w.keep(e.fn, first_of(arms, by_heading[-1], w))
+    arms = [(heading.eq(number), steps) for number, steps in enumerate(by_heading[:3])]
+    return w.keep(e.fn, first_of(arms, by_heading[3], w))
 
 
 def arithmetic(e: ir.Arithmetic, scope: IterationScope, w: Writer) -> Value:
@@ -412,22 +417,29 @@ def _numbers(expressions: tuple[ir.Expr, ...], scope: IterationScope, w: Writer)
 def _is_one_of(value: Value, words: tuple[str, ...], e: ir.Expr, w: Writer) -> Value:
     """Returns whether an enum value is one of `words`. e: the expression that has the value."""
     declared = declared_by(e, w)
-    numbers = [w.module.word(word, e.type.words, declared) for word in words]
-    return reduce(or_, [value.eq(number) for number in numbers])
+    is_one = FALSE
+    for word in words:
+        number = w.module.word(word, e.type.words, declared)
+        is_one = is_one | value.eq(number)
+    return is_one
 
 
 def case(e: ir.Case, scope: IterationScope, w: Writer) -> Value:
     """Returns `case w { red: a, otherwise: b }`: nested selections, the last for what is left."""
     name = condition_name(e.subject, w.game)
     subject = w.keep(name or "subject", lower(e.subject, scope, w))
-    values = []
-    for arm in e.arms:
-        value = lower(arm.value, scope, w)
-        if e.type.kind == "word":
-            value = to_words(value, arm.value.type.words, e.type.words, w)
-        values.append(as_dtype(value, VALUE_DTYPES[e.type.kind]))
+    *values, otherwise = [_arm_value(e, arm, scope, w) for arm in e.arms]
     tests = [_arm_test(e, arm, subject, w) for arm in e.arms[:-1]]
-    return first_of(list(zip(tests, values[:-1], strict=True)), values[-1], w)
+    arms = list(zip(tests, values, strict=True))
+    return first_of(arms, otherwise, w)
+
+
+def _arm_value(e: ir.Case, arm: ir.Arm, scope: IterationScope, w: Writer) -> Value:
+    """Returns the value of an arm, as all arms of a `case` have it."""
+    value = lower(arm.value, scope, w)
+    if e.type.kind == "word":
+        value = to_words(value, arm.value.type.words, e.type.words, w)
+    return as_dtype(value, VALUE_DTYPES[e.type.kind])
 
 
 def first_of(arms: list[tuple[Value, Value]], otherwise: Value, w: Writer) -> Value:

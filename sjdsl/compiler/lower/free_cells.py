@@ -18,7 +18,7 @@ from sjdsl.compiler.lower.axes import (
 from sjdsl.compiler.lower.pools import Pool
 from sjdsl.compiler.lower.scope import CellVar, IterationScope
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program.expressions import Expression, Literal, Name, Where, call
+from sjdsl.compiler.program.expressions import Expression, Literal, Name, Where, call, concatenated
 
 
 def fitting_cells(s: ir.Send, axis: Axis, scope: IterationScope, w: Writer) -> Value:
@@ -88,6 +88,4 @@ def _sites_of_others(pool: Pool, leaving: Expression | None, w: Writer) -> Expre
             sites.append(site.node)
         else:
             sites.append(Where(leaving, w.module.num_cells(pool.kinds), site.node))
-    if len(sites) == 1:
-        return sites[0]
-    return call("jnp.concatenate", sites)
+    return concatenated(sites)

@@ -80,8 +80,8 @@ def _partners(s: ir.Match, left: IterationScope, w: Writer) -> Value:
         pairs = pairs & ~call("jnp.eye", size, dtype=Name("bool"))
     pairs = w.keep_node("pairs", pairs, "bool")
     drawn = call("random_bits", KEY, w.stream(s.stream), rows.extent, cols.extent)
-    ranks = w.keep("order", Value(call("ranks", drawn, pairs), "u32", (rows, cols)))
-    return Value(call("pair", ranks.node, alike=same_type), "i32", (rows,))
+    ranks = w.keep_node("order", call("ranks", drawn, pairs), "u32")
+    return Value(call("pair", ranks, alike=same_type), "i32", (rows,))
 
 
 def _among_reached(
@@ -114,6 +114,6 @@ def _among_reached(
     stream = w.stream(s.stream)
     instance = w.keep_node("instance", pair_numbers, "u32")
     drawn = call("random_bits_at", KEY, stream, instance)
-    ranks = w.keep("order", Value(call("ranks", drawn, is_pair), "u32", axes))
-    partners = call("pair_reached", reached, ranks.node, size, alike=same_type)
+    ranks = w.keep_node("order", call("ranks", drawn, is_pair), "u32")
+    partners = call("pair_reached", reached, ranks, size, alike=same_type)
     return Value(partners, "i32", (rows,))

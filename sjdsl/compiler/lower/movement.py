@@ -16,6 +16,8 @@ from sjdsl.compiler.lower.axes import (
     as_dtype,
     broadcast,
     iota,
+    looked_up,
+    select,
     spread,
     without,
 )
@@ -27,7 +29,6 @@ from sjdsl.compiler.lower.scope import AgentVar, IterationScope, NotSupported
 from sjdsl.compiler.lower.state_reads import HEADING, POSITION
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
-    Cast,
     Expression,
     Literal,
     Name,
@@ -112,30 +113,27 @@ def move_on_course(s: ir.Move, scope: IterationScope, w: Writer) -> None:
     if mover.axis is None:
         instead = "say with `where` which of them move"
         raise NotSupported("`move each` of movers that are named one by one", s.origin, instead)
-    axis = mover.axis
-    position = state_reads.positions(w, mover.entity_type)
+    axes = (mover.axis,)
+    position = state_reads.position(mover, w)
     match course:
         case ir.Along():
             value = w.value(course.heading, inner)
             heading = to_words(value, course.heading.type.words, HEADINGS, w)
-            heading_of_each = broadcast(heading, (axis,))
-            direction = w.keep("way", as_dtype(heading_of_each, "i32"))
+            direction = w.keep("way", as_dtype(broadcast(heading, axes), "i32"))
             goes = inner.mask
         case ir.Wander():
             direction, goes = _open_direction(course, inner, mover, w)
-    entry = position * 4 + direction.node
-    next_cell: Expression = _next_table(mover.entity_type, w)[entry]
     if goes != TRUE:
-        next_cell = Where(spread(goes, (axis,)), next_cell, position)
-    target = w.bind("target", next_cell)
+        goes = broadcast(goes, axes)
+    next_cell = looked_up(_next_table(mover.entity_type, w), position * 4 + direction, "i32")
+    target = w.bind("target", select(goes, next_cell, position).node)
     if isinstance(course, ir.Along):
         stay_if_blocked(mover, target, w)
     if not _keeps_heading(course):
         attribute = attribute_of("heading", mover.entity_type)
-        turned: Expression = Cast(direction.node, "u8")
-        if goes != TRUE:
-            turned = Where(spread(goes, (axis,)), turned, path(f"state.{attribute}"))
-        w.assign(attribute, turned)
+        before = Value(path(f"state.{attribute}"), "u8", axes)
+        turned = select(goes, as_dtype(direction, "u8"), before)
+        w.assign(attribute, turned.node)
     settle(s, mover.entity_type, target, w)
 
 
@@ -171,18 +169,18 @@ def _open_direction(
     entry = position * 4 + iota(directions).node[None, :]
     beside = w.keep("beside", Value(_next_table(mover.entity_type, w)[entry], "i32", axes))
     taken = call("is_one_of", beside.node, state_reads.all_positions(w))
-    leads_away = beside.node.ne(position)
-    is_open = Value(leads_away & ~taken, "bool", axes)
+    is_elsewhere = beside.node.ne(position)  # a step that is blocked leads to the mover's own cell
+    is_open = Value(is_elsewhere & ~taken, "bool", axes)
     for block, kind in conditional_blocks(mover.entity_type.plural, w):
         is_open = is_open & ~blocked_by(block, kind, beside, w, mover)
     if course.avoided is not None and not is_empty(course.avoided, w):
         cells, is_member = _members(course.avoided, scope, axis, w)
         avoided = Where(is_member, cells, Literal(-1))  # a row of cells for each mover
-        within = call("is_one_of", beside.node, avoided[:, None, :])
-        is_open = is_open & Value(~within, "bool", axes)
+        is_avoided = call("is_one_of", beside.node, avoided[:, None, :])
+        is_open = is_open & Value(~is_avoided, "bool", axes)
     if course.goal is not None:
-        better = _better(course.goal, course.away, scope, mover, axis, w)
-        is_open = is_open & Value(better, "bool", axes)
+        is_better = _better(course.goal, course.away, scope, mover, axis, w)
+        is_open = is_open & Value(is_better, "bool", axes)
     bits = bits_of_each(course.stream, mover.entity_type, w)
     direction, has_way = w.keep_parts(("way", "found"), call("pick", is_open.node, bits))
     goes = w.keep("goes", scope.mask & Value(has_way, "bool", (axis,)))

@@ -12,7 +12,7 @@ from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import Value, aligned, as_dtype, literal, union
 from sjdsl.compiler.lower.cell_appearance import Look, looks, seen_marks
 from sjdsl.compiler.lower.writer import Writer
-from sjdsl.compiler.program.expressions import Arange, Cast, Name, call, path, scalar, zeros
+from sjdsl.compiler.program.expressions import Arange, Cast, Name, call, path, zeros
 
 
 class Part(Record):
@@ -57,16 +57,15 @@ def shown_movers(movers: ir.Movers, game: ir.Game) -> int:
 
     All have their own if something of theirs is seen; 1 if only where they are is; 0 if nothing is.
     """
-    shown = [s for s in game.observables if s.what == "mover" and s.kind == movers.name]
-    if not shown:
-        return 0
-    if any(s.field for s in shown):
-        return movers.number
-    for observable in shown:
-        for condition in (observable.hidden_when, observable.shown_when):
-            if condition is not None and _reads_mover(condition):
-                return movers.number
-    return 1
+    number = 0
+    for observable in game.observables:
+        if observable.what != "mover" or observable.kind != movers.name:
+            continue
+        number = 1
+        conditions = (observable.hidden_when, observable.shown_when)
+        if observable.field or any(map(_reads_mover, conditions)):
+            return movers.number
+    return number
 
 
 def _bits(values: int) -> int:
@@ -74,10 +73,11 @@ def _bits(values: int) -> int:
     return max(1, (values - 1).bit_length())
 
 
-def _reads_mover(condition: ir.Expr) -> bool:
-    return any(
-        isinstance(n, ir.Member) and n.entity_type.what == "mover" for n in ir.walk(condition)
-    )
+def _reads_mover(condition: ir.Expr | None) -> bool:
+    if condition is None:
+        return False
+    members = [node for node in ir.walk(condition) if isinstance(node, ir.Member)]
+    return any(member.entity_type.what == "mover" for member in members)
 
 
 def shift_of(part: Part, w: Writer) -> Value:
@@ -166,7 +166,5 @@ def look_number(first: Value, sizes: tuple[int, ...], values: list[Value]) -> Va
     if len(values) == 1:
         return as_dtype(values[0], "u8") + first
     axes = union(*(value.axes for value in values))
-    nodes = [
-        scalar(value.node, "u8") if value.literal else aligned(value, axes) for value in values
-    ]
+    nodes = [aligned(value.array, axes) for value in values]
     return Value(call("look_number", first.node, sizes, *nodes), "u8", axes)

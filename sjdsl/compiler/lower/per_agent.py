@@ -78,7 +78,8 @@ def scattered(
     numbers = select(scope.mask, agents.number, extent)
     axes = union(numbers.axes, without(value.axes, entries))
     places = w.keep_node(f"to_{agents.entity_type.name}", spread(numbers, axes), "i32")
-    none = zeros(value.dtype, extent, *(axis.extent for axis in entries))
+    entry_shape = [axis.extent for axis in entries]
+    none = zeros(value.dtype, extent, *entry_shape)
     new = value.node if value.literal else spread(value, (*axes, *entries))
     return written("set_at", none, (places,), new)
 

@@ -55,6 +55,7 @@ def _count_down(entity_types: list[ir.EntityType], w: Writer) -> dict[ir.EntityT
 def _bring_back_to(pool: Pool, due: Expression, w: Writer) -> None:
     """Writes the new cells and headings of those who are due and were sent to a pool."""
     entity_type = pool.entity_type
+    send = pool.send
 
     def stored(name: str) -> Expression:
         return path(f"state.{attribute_of(name, entity_type)}")
@@ -62,17 +63,20 @@ def _bring_back_to(pool: Pool, due: Expression, w: Writer) -> None:
     back = w.keep_node("back", due & stored("away_pool").eq(pool.number), "bool")
     fitting = _fitting_on_return(pool, w)
     free = free_cells(pool, None, fitting is None, w)
-    arguments = [state_reads.cells_of(pool.kinds, w), free, back]
-    for stream in (pool.send.cell_stream, pool.send.heading_stream):
-        arguments.append(bits_of_each(stream ^ ir.RETURN, entity_type, w))
-    arguments += [stored("position"), stored("heading"), stored("away_facing")]
+    cells = state_reads.cells_of(pool.kinds, w)
+    cell_bits = bits_of_each(send.cell_stream ^ ir.RETURN, entity_type, w)
+    heading_bits = bits_of_each(send.heading_stream ^ ir.RETURN, entity_type, w)
+    before = (stored("position"), stored("heading"), stored("away_facing"))
+    arguments = [cells, free, back, cell_bits, heading_bits, *before]
     if fitting is not None:
         arguments.append(fitting)
-    names = [attribute_of(name, entity_type) for name in ("position", "heading", "away")]
-    come_back = call("come_back", *arguments)
-    position, heading, placed = w.keep_parts((*names[:2], "placed"), come_back)
-    values = (position, heading, Where(placed, Literal(0), stored("away")))
-    w.set(Name("state"), replaced("state", dict(zip(names, values, strict=True))))
+    position = attribute_of("position", entity_type)
+    heading = attribute_of("heading", entity_type)
+    names = (position, heading, "placed")
+    changes: dict[str, Expression] = {}
+    changes[position], changes[heading], placed = w.keep_parts(names, call("come_back", *arguments))
+    changes[attribute_of("away", entity_type)] = Where(placed, Literal(0), stored("away"))
+    w.set(Name("state"), replaced("state", changes))
 
 
 def _fitting_on_return(pool: Pool, w: Writer) -> Expression | None:

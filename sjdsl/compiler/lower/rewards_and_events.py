@@ -6,7 +6,6 @@ Who receives may also be a computed agent, a set of agents, or all of them. Wher
 the same amount, how often each agent gets it is counted, which is cheaper than adding amounts.
 """
 
-import math
 from dataclasses import replace
 
 from sjdsl.compiler import ir
@@ -20,11 +19,13 @@ from sjdsl.compiler.lower.axes import (
     aligned,
     as_dtype,
     axes_of,
+    common,
     joined,
     literal,
     one_hot,
     reduce,
     select,
+    size_of,
     spread,
     without,
 )
@@ -80,9 +81,11 @@ def tally(s: ir.Tally, scope: IterationScope, w: Writer) -> None:
         if agents is not None and scope.axes == (agents,):
             # All entries at once: one sum instead of an update for each.
             entries = w.axis("word", w.module.num_entries(event.by))
-            counts = _received(s.receiver, amount, scope.when(one_hot(key, entries)), w, s.event)
+            inner = scope.when(one_hot(key, entries))
+            counts = _received(s.receiver, amount, inner, w, s.event)
             # The key may be the same for all agents.
-            deliver(attribute, replace(counts, node=aligned(counts, (agents, entries))), w)
+            rows = aligned(counts, (agents, entries))
+            deliver(attribute, replace(counts, node=rows), w)
             return
     for entry in event.by.entries:
         place = as_dtype(w.module.entry(entry), key.dtype)
@@ -124,18 +127,22 @@ def _received(e: ir.Expr, amount: Value, scope: IterationScope, w: Writer, name:
       name: in generated code, of the number of times that each agent gets the amount.
     """
     axis = w.axis("receiver", w.module.agents)
-    is_large = math.prod(a.size for a in scope.axes) >= MANY
+    is_large = size_of(scope.axes) >= MANY
     by_bits = is_large and not amount.axes and axis.size <= 32
     if e.type.kind == "agents":
         members = w.value(e, scope)
         if by_bits:
-            return _counted(select(scope.mask, members, 0), amount, axis, scope, w, name)
-        return _summed(scope.mask & in_set(members, axis), amount, scope.axes, w, name)
+            sets = select(scope.mask, members, 0)
+            return _counted(sets, amount, axis, scope, w, name)
+        receives = scope.mask & in_set(members, axis)
+        return _summed(receives, amount, scope.axes, w, name)
     who = agent(e, scope, w)
     if who.axis is not None:
-        return _summed(scope.mask, amount, without(scope.axes, (who.axis,)), w, name)
+        others = without(scope.axes, (who.axis,))
+        return _summed(scope.mask, amount, others, w, name)
     if by_bits:
-        return _counted(_sets_of_one(who, scope, w), amount, axis, scope, w, name)
+        sets = _sets_of_one(who, scope, w)
+        return _counted(sets, amount, axis, scope, w, name)
     if scope.mask == TRUE or not who.number.axes:
         receives = scope.mask & one_hot(who.number, axis)
         return _summed(receives, amount, scope.axes, w, name)
@@ -146,19 +153,20 @@ def _summed_by_agent(
     receivers: Value, amount: Value, axis: Axis, scope: IterationScope, w: Writer, name: str
 ) -> Value:
     """Returns what each agent gets from all instances, each of which names one by its number."""
-    is_same = not any(a in amount.axes for a in scope.axes)
+    is_same = not common(scope.axes, amount.axes)
     amounts = scope.mask if is_same else select(scope.mask, amount, 0)
     axes = axes_of(receivers, amounts)
-    node = call("segment_sum", spread(amounts, axes), spread(receivers, axes), axis.extent)
+    sums = call("segment_sum", spread(amounts, axes), spread(receivers, axes), axis.extent)
     repeated = _repetitions(scope, axes)
-    if is_same:
-        return _times(repeated * w.keep(name, Value(node, "i32", (axis,))), amount)
-    return _times(repeated, Value(node, amount.dtype, (axis,)))
+    if not is_same:
+        return _times(repeated, Value(sums, amount.dtype, (axis,)))
+    count = w.keep(name, Value(sums, "i32", (axis,)))
+    return _times(repeated * count, amount)
 
 
 def _repetitions(scope: IterationScope, axes: Axes) -> Value:
     """Returns how many instances there are for each entry of an array over some of their axes."""
-    return literal(math.prod(axis.size for axis in without(scope.axes, axes)), "i32")
+    return literal(size_of(without(scope.axes, axes)), "i32")
 
 
 def _sets_of_one(who: AgentVar, scope: IterationScope, w: Writer) -> Value:
@@ -189,7 +197,7 @@ def _summed(receives: Value, amount: Value, over: Axes, w: Writer, name: str) ->
     """Returns the sum of the amounts along the axes `over`, where `receives` holds."""
     if receives == TRUE:
         return reduce("sum", amount, over)
-    if over and not any(axis in amount.axes for axis in over):
+    if over and not common(over, amount.axes):
         return _times(w.keep(name, reduce("sum", receives, over)), amount)
     return reduce("sum", select(receives, amount, 0), over)
 

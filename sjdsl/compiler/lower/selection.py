@@ -7,9 +7,6 @@ candidates, with a mask of those that are chosen; `first` has an axis of the lan
 """
 
 from dataclasses import replace
-from functools import reduce
-from math import prod
-from operator import or_
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.lower import state_reads
@@ -27,6 +24,7 @@ from sjdsl.compiler.lower.axes import (
     iota,
     literal,
     looked_up,
+    size_of,
     spread,
     union,
     without,
@@ -59,7 +57,6 @@ from sjdsl.compiler.program.expressions import (
     Where,
     call,
     reduction,
-    scalar,
 )
 
 MANY_SETS = 64  # from so many sets on, random bits are drawn only if some set has several members
@@ -112,9 +109,7 @@ def _pick_several(
     nobody = ~Value(exists, "bool", outer)
     if not turns.size:
         return inner.when(FALSE), nobody, s.body
-    if number.literal:
-        number = replace(number, node=scalar(number.node, "i32"))
-    arguments = [mask.node, spread(bits, (*outer, turns)), spread(number, outer)]
+    arguments = [mask.node, spread(bits, (*outer, turns)), spread(number.array, outer)]
     chosen = call("choose", *arguments)
     body = s.body
     # `pick n D { chance p { ... } }`: the kernel also draws the chances, of chosen members only.
@@ -174,7 +169,7 @@ def _pick_one(
 
 def _are_many_sets(members: Value, axes: Axes) -> bool:
     """Returns whether there are so many small sets that most steps need no random bits."""
-    is_many = prod(a.size for a in axes) >= MANY_SETS
+    is_many = size_of(axes) >= MANY_SETS
     return is_many and members.axes == axes and not members.levels
 
 
@@ -187,10 +182,10 @@ def _pick_of_sets(
       members.
     """
     has_members = members.ne(0).node
-    # A mask takes no member from any set if it holds for all sets, or for those with members.
-    takes_none = (has_members, w.known.get((has_members, "bool")))
+    # A mask that holds for all sets with members takes no member from any set.
+    masks_without_effect = (TRUE.node, has_members, w.known.get((has_members, "bool")))
     source = members.node
-    if scope.mask != TRUE and scope.mask.node not in takes_none:
+    if scope.mask.node not in masks_without_effect:
         source = Where(aligned(scope.mask, members.axes), source, Literal(0))
     alone = call("pick_of_sets", source, KEY, Lambda(("key",), drawn))
     picked = w.keep("picked", replace(members, node=alone))
@@ -208,8 +203,11 @@ def _candidates_of(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationS
         return enter(d, scope, w)
     inner = enter(d.model_copy(update={"restriction": None}), scope, w)
     candidate = inner.variables[d.var.name].number
-    numbers = [number_in(d, scope.variables[member.name], w) for member in d.restriction.members]
-    return inner.when(reduce(or_, [candidate.eq(number) for number in numbers]))
+    is_named = FALSE
+    for member in d.restriction.members:
+        number = number_in(d, scope.variables[member.name], w)
+        is_named = is_named | candidate.eq(number)
+    return inner.when(is_named)
 
 
 def _entry_at(values: Value, axis: Axis, place: Value) -> Value:
@@ -228,14 +226,13 @@ def _entry_at(values: Value, axis: Axis, place: Value) -> Value:
         places = aligned(place, axes)
     else:
         places = call("jnp.full", (1,) * len(axes), place.node)
-    entry: Expression = call(
-        "jnp.take_along_axis", aligned(values, axes), places, axis=axes.index(axis)
-    )
+    dimension = axes.index(axis)
+    entry = call("jnp.take_along_axis", aligned(values, axes), places, axis=dimension)
     if axes[-1] == axis:
-        entry = entry[..., 0]
+        node = entry[..., 0]
     else:
-        entry = entry[tuple(0 if a == axis else ALL for a in axes)]
-    return Value(entry, dtype, without(axes, (axis,)))
+        node = entry[tuple(0 if a == axis else ALL for a in axes)]
+    return Value(node, dtype, without(axes, (axis,)))
 
 
 def bound(d: ir.Domain, member: Variable, scope: IterationScope, w: Writer) -> IterationScope:
@@ -287,13 +284,16 @@ def _on_cells(
     d: ir.Domain, near: ir.Near, scope: IterationScope, w: Writer
 ) -> tuple[Variable, Value]:
     """Returns the candidate on each cell of a shape, along its axis, and on which there is one."""
-    if d.var.entity_type.what == "cell":
+    entity_type = d.var.entity_type
+    if entity_type.what == "cell":
         site, exists = sites_in(near, d.var.kinds, scope, w, d.var.name)
         return CellVar(site, d.var.kinds), exists
     swept = sweep(near, scope, w)
-    on_cells = stand_on(swept.cells, state_reads.positions(w, d.var.entity_type))
-    standing = w.keep_node("standing", on_cells, "bool")
     axes = swept.cells.axes
-    who = w.keep(d.var.name, Value(reduction("argmax", standing, (-1,)), "i32", axes))
-    anybody = w.keep("anybody", Value(reduction("any", standing, (-1,)), "bool", axes))
-    return AgentVar(who, entity_type=d.var.entity_type), anybody & swept.unblocked
+    on_cells = stand_on(swept.cells, state_reads.positions(w, entity_type))
+    standing = w.keep_node("standing", on_cells, "bool")
+    first = Value(reduction("argmax", standing, (-1,)), "i32", axes)
+    who = w.keep(d.var.name, first)
+    has_body = Value(reduction("any", standing, (-1,)), "bool", axes)
+    anybody = w.keep("anybody", has_body)
+    return AgentVar(who, entity_type=entity_type), anybody & swept.unblocked

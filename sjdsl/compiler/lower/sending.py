@@ -13,6 +13,7 @@ from sjdsl.compiler.lower import state_reads
 from sjdsl.compiler.lower.axes import (
     Value,
     as_dtype,
+    common,
     reduce,
     spread,
     without,
@@ -30,7 +31,6 @@ from sjdsl.compiler.program.expressions import (
     Literal,
     Name,
     call,
-    scalar,
 )
 from sjdsl.runtime.actions import ANY_HEADING, HEADINGS, SAME_HEADING
 
@@ -86,7 +86,8 @@ class Sends:
             return
         can_be_now = s.after.type.low <= 0
         fitting = _fitting(s, scope, w) if can_be_now else None
-        delays = _delays(s, as_dtype(w.value(s.after, scope), "i32"), scope, w)
+        delay = as_dtype(w.value(s.after, scope), "i32")
+        delays = _delays(s, delay, scope, w)
         if can_be_now:
             sent_now = w.keep_node("at_once", sent & delays.eq(0), "bool")
             at_once.append(Sent(s, sent_now, fitting, way))
@@ -115,7 +116,7 @@ def _fitting(s: ir.Send, scope: IterationScope, w: Writer) -> Expression | None:
     who = agent(s.who, scope, w)
     if who.axis is not None:
         others = without(scope.axes, (who.axis,))
-        if any(a in fits.axes for a in others):  # all who send the agent agree on its cells
+        if common(others, fits.axes):  # all who send the agent agree on its cells
             fits = reduce("any", scope.mask & fits, others)
         return w.keep_node("fitting", spread(fits, (who.axis, axis)), "bool")
     return w.keep_node("fitting", scattered(who, fits, scope, w, (axis,)), "bool")
@@ -127,7 +128,7 @@ def _delays(s: ir.Send, delay: Value, scope: IterationScope, w: Writer) -> Expre
         return delay.node
     if delay.axes:
         return w.keep_node("delay", of_each(s.who, delay, scope, w), "i32")
-    number = scalar(delay.node, "i32") if delay.literal else delay.node
+    number = delay.array.node
     return w.keep_node("delay", number, "i32")
 
 

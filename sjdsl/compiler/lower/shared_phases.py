@@ -173,10 +173,10 @@ class SharedBody:
     def renamed(self, names: tuple[str, ...], parameter: str) -> list[str]:
         """Returns the names in all uses with the argument in them replaced by its parameter."""
         place = self.parameters.index(parameter)
-        return [
-            name.lower().replace(texts[place], parameter, 1)
-            for name, texts in zip(names, self.texts, strict=True)
-        ]
+        renamed = []
+        for name, texts in zip(names, self.texts, strict=True):
+            renamed.append(name.lower().replace(texts[place], parameter, 1))
+        return renamed
 
 
 def _plus(parameter: Name, number: int) -> Expression:
@@ -201,10 +201,10 @@ def share(uses: list[tuple[ir.Turn, Function]]) -> list[Turn]:
     calls: dict[str, Turn] = {}
     for declared, uses_of_phase in uses_of.items():
         calls |= _one_function(phase_function(declared), uses_of_phase)
-    return [
-        calls[turn.name] if isinstance(turn, ir.Phase) else Turn(function)
-        for turn, function in uses
-    ]
+    turns = []
+    for turn, function in uses:
+        turns.append(calls[turn.name] if isinstance(turn, ir.Phase) else Turn(function))
+    return turns
 
 
 def _one_function(name: str, uses: list[tuple[ir.Phase, Function]]) -> dict[str, Turn]:

@@ -91,7 +91,8 @@ def shifted(s: ir.Shift, scope: IterationScope, w: Writer) -> Shifted:
         steps = as_dtype(w.value(s.steps, scope), "i32")
         heading, has_heading = _heading(s, who, position, scope, w)
         course = _Course(position, heading, _stride(heading, w))
-        goes = (steps > 0) & has_heading & _is_free(s.steps.type, who, course, steps, w)
+        is_free = _is_free(s.steps.type, who, course, steps, w)
+        goes = (steps > 0) & has_heading & is_free
         goal = w.keep("goal", _cells_on(course, steps, w))
     target = w.keep("target", select(goes, goal, position))
     target_of_each = w.keep_node("target", of_each(s.who, target, scope, w), "i32")
@@ -175,7 +176,8 @@ def _is_free(number_of: ir.Type, who: AgentVar, course: _Course, steps: Value, w
     if most == 0:
         return TRUE
     if most == 1:
-        return _is_open(w.keep("ahead", _cells_on(course, literal(1, "i32"), w)), who, w)
+        ahead = _cells_on(course, literal(1, "i32"), w)
+        return _is_open(w.keep("ahead", ahead), who, w)
     bodies = state_reads.all_positions(w)
     axis = w.axis("way", most)
     number = iota(axis) + 1

@@ -170,10 +170,12 @@ def params_fields(game: ir.Game) -> list[Field]:
     """Returns the attributes of Params."""
     fields = []
     for param in game.params:
-        dtype = {"int": "int32", "real": "float32", "word": "uint8"}[param.type.kind]
-        shape = ", ".join(str(len(level)) for level in param.type.indexed_by)
-        unit = "word" if param.type.kind == "word" else param.type.unit
-        meaning = " by ".join([str(unit), *map(str, param.type.indexed_by)])
+        kind = param.type.kind
+        levels = param.type.indexed_by
+        dtype = {"int": "int32", "real": "float32", "word": "uint8"}[kind]
+        shape = ", ".join(str(len(level)) for level in levels)
+        unit = kind if kind == "word" else param.type.unit
+        meaning = " by ".join(map(str, (unit, *levels)))
         value = constant(param_value(param.value, param.type))
         default = call("jnp.asarray", value, path(f"jnp.{dtype}"))
         fields.append(Field(param_attribute(param.name), f"[{shape}]", dtype, meaning, default))

@@ -2,13 +2,12 @@
 
 from collections.abc import Iterable
 from dataclasses import replace
-from math import prod
 
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.entity_types import AGENTS
 from sjdsl.compiler.ir.names import attribute_name, attribute_of
 from sjdsl.compiler.ir.queries import body_types, sets
-from sjdsl.compiler.lower.axes import TRUE, Axis, Value, as_dtype, looked_up, select
+from sjdsl.compiler.lower.axes import TRUE, Axis, Value, as_dtype, looked_up, select, size_of
 from sjdsl.compiler.lower.scope import AgentVar, CellVar, IterationScope, Variable
 from sjdsl.compiler.lower.writer import Writer
 from sjdsl.compiler.program.expressions import (
@@ -17,6 +16,7 @@ from sjdsl.compiler.program.expressions import (
     Expression,
     Name,
     call,
+    concatenated,
     path,
     reduction,
 )
@@ -61,8 +61,8 @@ def field(e: ir.FieldRead, owner: Variable | None, w: Writer) -> Value:
 def _looked_up(owner: Variable, stored: Value, w: Writer) -> Value:
     """Returns what `_entries_of` does; for many computed cells, `stored` goes into memory first."""
     if isinstance(owner, CellVar) and owner.axis is None:
-        num_lookups = prod(axis.size for axis in owner.number.axes)
-        if num_lookups >= max(MANY, w.layout.num_cells(owner.kinds)):
+        many = max(MANY, w.layout.num_cells(owner.kinds))
+        if size_of(owner.number.axes) >= many:
             node = call("looked_up", stored.node, owner.number.node)
             return replace(stored, node=node, axes=owner.number.axes)
     return _entries_of(owner, stored)
@@ -86,11 +86,11 @@ def _group_field(e: ir.FieldRead, owner: CellVar, w: Writer) -> Value:
     """
     group = "_".join(owner.kinds)
     fields = [w.module.field(e, kind) for kind in owner.kinds]
+    vectors = [w.stored(attribute_name(field)) for field in fields]
     table = w.layout.order_table(owner.kinds)
     order = w.module.constant(f"order_{group}", table, "cells of a group in reading order")
-    vectors = [w.stored(attribute_name(f)) for f in fields]
-    concatenated = Value(call("jnp.concatenate", vectors)[order], storage(fields[0], w))
-    whole = w.keep(f"{group}_{e.name}", concatenated)
+    in_order = Value(concatenated(vectors)[order], storage(fields[0], w))
+    whole = w.keep(f"{group}_{e.name}", in_order)
     whole = replace(whole, levels=w.module.levels(e.type))
     return _widened(_looked_up(owner, whole, w), fields[0].type)
 
@@ -164,9 +164,10 @@ def moved(owner: AgentVar, w: Writer) -> Value:
 
 def present(owner: AgentVar, w: Writer) -> Value:
     """Returns who is on the map."""
-    if not w.module.can_be_away(owner.entity_type) or w.starting:
+    if w.starting or not w.module.can_be_away(owner.entity_type):
         return TRUE
-    return w.keep("present", position(owner, w).ne(nowhere(w)))
+    is_somewhere = position(owner, w).ne(nowhere(w))
+    return w.keep("present", is_somewhere)
 
 
 def nowhere(w: Writer) -> Value:
@@ -182,19 +183,17 @@ def positions(w: Writer, entity_type: ir.EntityType = AGENTS) -> Expression:
 def everybody(w: Writer, entity_type: ir.EntityType) -> AgentVar:
     """Returns all agents or movers, for expressions that don't read their numbers."""
     extent = w.module.extent(entity_type)
-    return AgentVar(
-        Value(Name(entity_type.plural), "i32"), Axis("", extent.size, 0, extent.name), entity_type
-    )
+    unread = Value(Name(entity_type.plural), "i32")
+    axis = Axis("", extent.size, 0, extent.name)
+    return AgentVar(unread, axis, entity_type)
 
 
 def all_positions(w: Writer, but: ir.EntityType | None = None) -> Expression:
     """Returns the cells in the frame of all agents and movers, without those of the type `but`."""
     entity_types = [entity_type for entity_type in body_types(w.game) if entity_type != but]
-    if len(entity_types) == 1:
-        return positions(w, entity_types[0])
     parts = [positions(w, entity_type) for entity_type in entity_types]
     name = "bodies" if but is None else "others"
-    return w.keep_node(name, call("jnp.concatenate", parts), "i32")
+    return w.keep_node(name, concatenated(parts), "i32")
 
 
 def cell(owner: CellVar, w: Writer) -> Value:
@@ -271,7 +270,8 @@ def is_site(site: Value, kinds: tuple[str, ...], w: Writer) -> Value:
 
 def site_under(owner: AgentVar, kinds: tuple[str, ...], w: Writer) -> tuple[Value, Value]:
     """Returns the number of the cell of `kinds` under each agent, and whether there is one."""
-    site = w.keep(f"{'_'.join(kinds)}_under", site_at(position(owner, w), kinds, w))
+    under = site_at(position(owner, w), kinds, w)
+    site = w.keep(f"{'_'.join(kinds)}_under", under)
     return site, is_site(site, kinds, w)
 
 
@@ -321,4 +321,5 @@ def frame_cell(value: Value, w: Writer) -> Value:
 def held_cell(e: ir.Expr, kinds: tuple[str, ...], scope: IterationScope, w: Writer) -> CellVar:
     """Returns the cell that an expression is, by its number among `kinds`, past the end if none."""
     in_frame = frame_cell(w.value(e, scope), w)
-    return CellVar(w.keep(f"{'_'.join(kinds)}_held", site_at(in_frame, kinds, w)), kinds)
+    site = site_at(in_frame, kinds, w)
+    return CellVar(w.keep(f"{'_'.join(kinds)}_held", site), kinds)

@@ -158,5 +158,5 @@ def mark_size(rules: ir.Node, game: ir.Game) -> int:
     size = 0
     for node in ir.walk(rules):
         if isinstance(node, ir.Mark):
-            size += sum(map(len, shape_named(game, node.shape).lanes))
+            size += shape_named(game, node.shape).num_cells
     return size * game.agents.number

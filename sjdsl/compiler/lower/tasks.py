@@ -9,10 +9,20 @@ from sjdsl.compiler.ir.task_rows import (
     parts_of,
     rows_of_side,
 )
+from sjdsl.compiler.lower.beginning import begun
 from sjdsl.compiler.lower.draws import KEY
 from sjdsl.compiler.lower.writer import Module, Writer, replaced
 from sjdsl.compiler.program import Function
-from sjdsl.compiler.program.expressions import Cast, Expression, Literal, Name, call, live, path
+from sjdsl.compiler.program.expressions import (
+    Cast,
+    Expression,
+    Literal,
+    Name,
+    call,
+    concatenated,
+    live,
+    path,
+)
 
 OF_SIDE = "task_of_side"
 NUMBERS = "task_numbers"
@@ -21,10 +31,10 @@ ROW = Name("row")
 PARAMS = Name("params")
 
 
-def task_of_episode(task: ir.Task, module: Module) -> Expression | None:
-    """Returns the state before `start` with a task of the side; None if that is any task."""
-    if task.side == "all" and not task.given:
-        return None
+def task_of_episode(task: ir.Task, module: Module) -> Expression:
+    """Returns the state before `start`, with a task of the side that is played."""
+    if _is_any(task):
+        return _any_task(task)
     train_on = task.train_on
     key: Expression = KEY
     if train_on is not None and not task.given:
@@ -37,17 +47,24 @@ def task_of_episode(task: ir.Task, module: Module) -> Expression | None:
     return call(OF_SIDE, PARAMS, key)
 
 
-def functions_of_task(task: ir.Task, drawn: Expression, module: Module) -> list[Function]:
-    """Returns the functions that `task_of_episode` calls.
-
-    drawn: the state before `start` with any task that is drawn from `key`.
-    """
-    if task_of_episode(task, module) is None:
+def functions_of_task(task: ir.Task, module: Module) -> list[Function]:
+    """Returns the functions that `task_of_episode` calls, besides the phase of the task."""
+    if _is_any(task):
         return []
-    functions = [_task_of_side(task, drawn, module)]
+    functions = [_task_of_side(task, module)]
     if _is_of_train_on(task):
         functions.append(_task_numbers(task, module))
     return functions
+
+
+def _is_any(task: ir.Task) -> bool:
+    """Returns whether an episode may have any task."""
+    return task.side == "all" and not task.given
+
+
+def _any_task(task: ir.Task) -> Expression:
+    """Returns the state before `start`, with any task, which is drawn from `key`."""
+    return begun(task.draw, call("initial_state"))
 
 
 def _is_of_train_on(task: ir.Task) -> bool:
@@ -59,15 +76,13 @@ def _stream(name: str, stream: int, module: Module) -> Literal:
     return module.number(f"stream_{name}", stream, group="stream")
 
 
-def _task_of_side(task: ir.Task, drawn: Expression, module: Module) -> Function:
+def _task_of_side(task: ir.Task, module: Module) -> Function:
     """Returns the function `task_of_side(params, key)`, which draws a task of the side played.
 
     It draws any task, then one of the rows of values that the side has, and puts these in place.
-
-    drawn: the state with any task.
     """
     w = Writer(module)
-    w.set(STATE, drawn)
+    w.set(STATE, _any_task(task))
     rows = rows_of_side(task)
     if rows.parts:
         comment = "rows of " + ", ".join(part_name(part, task) for part in rows.parts)
@@ -120,8 +135,7 @@ def _task_numbers(task: ir.Task, module: Module) -> Function:
     for drawn in drawn_fields(task):
         value = path(f"state.world_{drawn.name}")
         fields.append(Cast(value, "i32") if drawn.by is not None else value[None])
-    numbers = fields[0] if len(fields) == 1 else call("jnp.concatenate", fields)
-    w.give_back(numbers)
+    w.give_back(concatenated(fields))
     parts = sum(len(parts_of(drawn)) for drawn in drawn_fields(task))
     doc = f"Returns the task that is drawn from a key as numbers: `[{parts}]` int32."
     return Function(NUMBERS, (("key", "Array"),), "Array", doc, live(w.body))

@@ -1,10 +1,9 @@
 """Lowers trials: the function that begins one with the fields that the trial before leaves it."""
 
-from collections.abc import Callable
-
 from sjdsl.compiler import ir
 from sjdsl.compiler.ir.names import attribute_name
 from sjdsl.compiler.ir.queries import all_fields, beginning_phases, written_field
+from sjdsl.compiler.lower.beginning import begun
 from sjdsl.compiler.lower.writer import Module, Writer, replaced
 from sjdsl.compiler.program import Function
 from sjdsl.compiler.program.expressions import Expression, Name, Where, live, path
@@ -17,15 +16,9 @@ def next_trial(
     game: ir.Game,
     trials: ir.Trials,
     laid: Expression,
-    started: Callable[[ir.Phase, Expression], Expression],
     module: Module,
 ) -> Function:
-    """Returns the function `next_trial`.
-
-    Args:
-      laid: the expression of the state before `start` when an episode begins.
-      started: (a phase of the beginning, a state) -> the expression of the state after the phase.
-    """
+    """Returns the function `next_trial`. laid: the state before `start` when an episode begins."""
     w = Writer(module)
     w.set(Name("laid"), laid)
     attributes = _kept_attributes(game, trials)
@@ -34,11 +27,12 @@ def next_trial(
     w.set(Name("laid"), replaced("laid", _unless_last("laid", {TRIAL: counted, **kept})))
     state: Expression = Name("laid")
     for phase in beginning_phases(game):
-        w.set(Name("begun"), started(phase, state))
+        w.set(Name("begun"), begun(phase, state))
         written = _attributes_written_by(phase)
-        lost = {
-            attribute: path(f"laid.{attribute}") for attribute in attributes if attribute in written
-        }
+        lost: dict[str, Expression] = {}
+        for attribute in attributes:
+            if attribute in written:
+                lost[attribute] = path(f"laid.{attribute}")
         state = replaced("begun", _unless_last("begun", lost))
     w.give_back(state)
     doc = (
@@ -61,9 +55,13 @@ def _kept_attributes(game: ir.Game, trials: ir.Trials) -> list[str]:
     """Returns the attributes of State that are kept, those of the task too, but not `trial`."""
     kept = {(field.held_by, field.name) for field in trials.kept}
     if game.task is not None:
-        kept |= {(ir.EntityType("world"), name) for name in game.task.fields}
-    fields = [field for field in all_fields(game) if (field.held_by, field.name) in kept]
-    return [attribute_name(field) for field in fields]
+        world = ir.EntityType("world")
+        kept |= {(world, name) for name in game.task.fields}
+    attributes = []
+    for field in all_fields(game):
+        if (field.held_by, field.name) in kept:
+            attributes.append(attribute_name(field))
+    return attributes
 
 
 def _attributes_written_by(phase: ir.Phase) -> set[str]:

@@ -315,7 +315,7 @@ class Writer:
     axes_made: int = 0
     changed: dict[str, Expression] = field(default_factory=dict)
     outcome: dict[str, Expression] = field(default_factory=dict)
-    added: dict[str, list[Value]] = field(default_factory=dict)
+    added: dict[str, list[Expression]] = field(default_factory=dict)
     terms: dict[str, int] = field(default_factory=dict)
     marked: dict[Name, int] = field(default_factory=dict)
     joined: dict[str, list[Expression]] = field(default_factory=dict)

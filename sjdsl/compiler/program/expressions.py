@@ -310,6 +310,11 @@ def zeros(dtype: DType, *sizes: Part) -> Call:
     return call("jnp.zeros", shape_of(tuple(map(constant, sizes))), DTYPES[dtype])
 
 
+def concatenated(parts: list[Expression]) -> Expression:
+    """Returns arrays one after another; one alone as it is."""
+    return parts[0] if len(parts) == 1 else call("jnp.concatenate", parts)
+
+
 def reshaped(value: Expression, *sizes: Part) -> Call:
     """Returns an array in another shape; -1 stands for whatever size remains."""
     return Call(Attribute(value, "reshape"), tuple(map(constant, sizes)))

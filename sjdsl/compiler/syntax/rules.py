@@ -112,10 +112,11 @@ def shape_ref(shape: ast.ShapeRef | ast.Call) -> ast.ShapeRef:
 
 def chain(span: Span, left: ast.Expr, *rest: Any) -> ast.Expr:
     """Returns a chain of operators: `a + b - c` becomes `(a + b) - c`."""
-    *inner, last_op, last = rest
-    for op, right in zip(inner[::2], inner[1::2], strict=True):
+    operators = rest[::2]
+    operands = rest[1::2]
+    for op, right in zip(operators, operands, strict=True):
         left = ast.Binary(replace(span, end=right.span.end), op, left, right)
-    return ast.Binary(span, last_op, left, last)
+    return replace(left, span=span)  # the last operand may end before a bracket around it
 
 
 def binary(op: str) -> Build:

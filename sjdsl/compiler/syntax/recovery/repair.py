@@ -206,15 +206,17 @@ def can_be_written(trouble: Trouble, kinds: Sequence[str]) -> dict[str, str]:
 
 
 def statement_slip(trouble: Trouble, kinds: Sequence[str]) -> str:
-    """Returns what to write in place of a statement of another language, empty if it is none.
+    """Returns what to write in place of a statement of another language; empty for other errors.
 
-    The statement begins with the refused token, or has it as its last one.
+    The refused token begins it, as in `while x > 3`, or is inside, as the second `*` of `x ** 2`.
+    kinds: of the tokens that could stand in place of the refused one.
     """
     at = trouble.at
-    texts = trouble.texts
-    written = " ".join(texts[at : at + STATEMENT]).rstrip()
-    before = " ".join(texts[max(0, at - STATEMENT) : at])
-    return slip(written, can_be_written(trouble, kinds), before)[0]
+    before = trouble.texts[max(0, at - STATEMENT) : at]
+    behind = trouble.texts[at : at + STATEMENT]
+    known = can_be_written(trouble, kinds)
+    hint, _ = slip(" ".join(behind).rstrip(), known, " ".join(before))
+    return hint
 
 
 def near_keywords(trouble: Trouble, at: int, kinds: Sequence[str]) -> list[str]:
