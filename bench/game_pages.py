@@ -304,19 +304,20 @@ def melting_pot_page(page: str) -> str:
         game = games[substrate.name]
         title = substrate_title(substrate, plain(game.title))
         file = find_game(substrate.game).relative_to(DOCS.parent).as_posix()
+        name = code(substrate.game)
+        if substrate.variant:
+            name += f"<br>{code(substrate.variant)}"
         rows.append(
             (
-                f"[{title}](../{file})",
-                code(substrate.name),
-                code(substrate.game),
-                code(substrate.variant) if substrate.variant else "",
+                f"[{title}](../{file})<br>{code(substrate.name)}",
+                name,
                 str(game.agents.number),
                 _size(game),
             )
         )
         pictures.append(f"### {title}\n\n![{title}](pictures/meltingpot/{substrate.name}.png)")
     sections = {
-        "substrates": table(("game", "substrate", "name", "variant", "agents", "map"), rows),
+        "substrates": table(("game, substrate", "name, variant", "agents", "map"), rows),
         "pictures": ["\n\n".join(pictures)],
     }
     return replace_sections(page, sections)

@@ -107,7 +107,7 @@ def comparison_figures(comparison: Comparison | None) -> tuple[Figure, Figure]:
     p = comparison.p
     if p is None:
         return difference, EMPTY
-    return difference, Figure("< 0.001" if p < 0.001 else number(p), {"": p})
+    return difference, Figure("< 0.001" if p < 0.001 else f"{p:.2g}", {"": p})
 
 
 def differing_settings(
