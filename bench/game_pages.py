@@ -298,22 +298,26 @@ def _size(game: ir.Game) -> str:
 def melting_pot_page(page: str) -> str:
     """Returns the page with its sections current: a table of all substrates, and their pictures."""
     games = substrate_games()
-    rows = [
-        (
-            code(substrate.name),
-            code(substrate.game),
-            code(substrate.variant) if substrate.variant else "",
-            str(games[substrate.name].agents.number),
-            _size(games[substrate.name]),
-        )
-        for substrate in written_substrates()
-    ]
+    rows = []
     pictures = []
     for substrate in written_substrates():
-        title = substrate_title(substrate, plain(games[substrate.name].title))
+        game = games[substrate.name]
+        title = substrate_title(substrate, plain(game.title))
+        file = find_game(substrate.game).relative_to(DOCS.parent).as_posix()
+        name = code(substrate.game)
+        if substrate.variant:
+            name += f"<br>{code(substrate.variant)}"
+        rows.append(
+            (
+                f"[{title}](../{file})<br>{code(substrate.name)}",
+                name,
+                str(game.agents.number),
+                _size(game),
+            )
+        )
         pictures.append(f"### {title}\n\n![{title}](pictures/meltingpot/{substrate.name}.png)")
     sections = {
-        "substrates": table(("substrate", "game", "variant", "agents", "map"), rows),
+        "substrates": table(("game, substrate", "name, variant", "agents", "map"), rows),
         "pictures": ["\n\n".join(pictures)],
     }
     return replace_sections(page, sections)

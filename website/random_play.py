@@ -4,7 +4,8 @@ import json
 from pathlib import Path
 from typing import Any
 
-from sjdsl.doc.wording import number, table
+from sjdsl.doc.wording import table
+from sjdsl.trainers.policies.estimates import Estimate
 
 # Of a game: `hash` of its rules, `episodes`, `seed`, and `values`: for each name `mean`, `low` and
 # `high` (the 95 % interval), each None if the figure isn't defined for every episode.
@@ -18,23 +19,17 @@ def read_figures(path: Path) -> dict[str, Figures]:
 
 def random_play(figures: Figures) -> list[str]:
     """Returns the lines about a random policy in one game: how it was played, and the table."""
-    rows = [(name, *_mean_and_interval(**figure)) for name, figure in figures["values"].items()]
+    rows = [(name, _rounded(**figure)) for name, figure in figures["values"].items()]
     return [
         f"A random policy, {figures['episodes']} episodes from seed {figures['seed']}, "
         "means with their 95 % confidence intervals:",
         "",
-        *table(("", "mean", "interval"), rows),
+        *table(("", "mean"), rows),
     ]
 
 
-def _mean_and_interval(
-    mean: float | None, low: float | None, high: float | None
-) -> tuple[str, str]:
-    """Returns two cells of a table; of a return or an equality that isn't defined, the reason."""
+def _rounded(mean: float | None, low: float | None, high: float | None) -> str:
+    """Returns a cell of the table; of a return or an equality that isn't defined, the reason."""
     if mean is None or low is None or high is None:
-        return "not defined", "some returns are negative, or all are 0"
-    return _four_digits(mean), f"{_four_digits(low)} to {_four_digits(high)}"
-
-
-def _four_digits(value: float) -> str:
-    return number(float(f"{value:.4g}"))
+        return "not defined: some returns are negative, or all are 0"
+    return str(Estimate(mean, low, high))

@@ -18,6 +18,7 @@ from sjdsl.experiments.diagram import Diagram
 from sjdsl.experiments.pictures import draw_diagram, picture_bytes
 from sjdsl.library.games_folder import find_game
 from sjdsl.library.titles import title_of
+from sjdsl.trainers.policies.estimates import Estimate
 
 HERE = Path(__file__).parent
 PAGES = {  # each with the way from it to this folder
@@ -111,7 +112,7 @@ def lines_table(folder: str, diagram: dict[str, Any]) -> str:
     """Returns the picture, which lies in the folder, and both lines over the number of other cooperators."""
     others = range(diagram["game"]["num_agents"])
     rows = [("other cooperators", *map(str, others)), ("---", *("--:" for _ in others))]
-    rows += [(line, *(f"{value:.4g}" for value in diagram[line]["mean"])) for line in ("C", "D")]
+    rows += [(line, *rounded_means(diagram[line])) for line in ("C", "D")]
     rows.append(("preferred", *diagram["D-C"]["preferred"]))
     return f"![Schelling diagram of {title(diagram)}]({folder}/schelling.svg)\n\n{table(rows)}"
 
@@ -121,7 +122,13 @@ def title(diagram: dict[str, Any]) -> str:
 
 
 def bounds(figure: dict[str, float]) -> str:
-    return f"{figure['mean']:.4g} [{figure['low']:.4g}, {figure['high']:.4g}]"
+    return str(Estimate(figure["mean"], figure["low"], figure["high"]))
+
+
+def rounded_means(line: dict[str, list[float]]) -> list[str]:
+    """Returns the means of a line, each with as many digits as its interval warrants."""
+    intervals = zip(line["mean"], line["low"], line["high"], strict=True)
+    return [str(Estimate(*interval)).partition(" [")[0] for interval in intervals]
 
 
 def table(rows: list[tuple[str, ...]]) -> str:

@@ -47,7 +47,6 @@ def read_variant(source: Source, variant: str) -> Written:
     for name in names:
         if name not in known[1:]:
             raise click.ClickException(
-                f"`{plain.file}` has no variant `{name}`{meant(name, known, '')}; "
-                f"its variants are {', '.join(known)}"
+                f"`{plain.file}` has no variant `{name}`{meant(name, known, 'its variants are')}"
             )
     return read_written(source, names)

@@ -101,9 +101,11 @@ def command(
         _refuse_options_for_game(scenario)
     if scenario is not None:
         if film is not None:
-            raise click.UsageError("--film is not for --scenario")
+            raise click.UsageError("--film shows no scenario: leave out one of the two")
         if greedy is not None:
-            raise click.UsageError(f"{_greedy_option(greedy)} is not for --scenario")
+            raise click.UsageError(
+                f"{_greedy_option(greedy)} is not for --scenario: leave out one of the two"
+            )
         evaluate_in_scenarios(run, scenario, game, episodes, seed, output, options, asking)
         if game is None:
             _echo_next(run, None, _more_of_run(run))

@@ -20,7 +20,7 @@ def command() -> None:
     """Lists the bundled games. `sjdsl doc GAME` prints everything about one of them."""
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else None
     _echo_games(main_games(), width)
-    click.echo("\nfurther families of Melting Pot")
+    click.echo("\nfurther games of Melting Pot")
     _echo_games(melting_pot_games(), width)
     click.echo(
         "\n`sjdsl doc GAME` prints its rules, actions, variants, parameters, sizes and metrics"

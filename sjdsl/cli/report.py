@@ -35,12 +35,16 @@ def command(sources: tuple[str, ...], output: str) -> None:
     require_folder_of(folder)
     call = shlex.join(["sjdsl", "report", *sources, "-o", output])
     with stages("reading the results and drawing"):
+        from sjdsl.results.figures import counted
         from sjdsl.results.report import write_report
 
         report = write_report([Path(source) for source in sources], folder, call)
     for note in report.notes:
         click.echo(f"note: {note}", err=True)
-    click.echo(
-        f"{folder / 'report.md'}  {report.runs} runs, {report.seeds} seeds, "
-        f"{report.tables} tables, {report.pictures} pictures"
+    numbers = (
+        counted(report.runs, "run"),
+        counted(report.seeds, "seed"),
+        counted(report.tables, "table"),
+        counted(report.pictures, "picture"),
     )
+    click.echo(f"{folder / 'report.md'}  {', '.join(numbers)}")

@@ -58,9 +58,15 @@ def purpose(w: Written) -> list[str]:
     about = dict(w.game.about)
     summary = about.pop("summary", "")
     lines = [plain(summary), ""] if summary else []
-    lines += [f"- {plain(key.replace('_', ' '))}: {plain(text)}" for key, text in about.items()]
+    lines += [f"- {_topic(key)}: {plain(text)}" for key, text in about.items()]
     lines += [f"- source: {plain(cite)}" for cite in w.game.cites]
     return [*lines, ""] if lines else []
+
+
+def _topic(key: str) -> str:
+    """Returns the key of an `about` in words; `our_difficulty` is `difficulty (ours)`."""
+    words = plain(key.removeprefix("our_").replace("_", " "))
+    return f"{words} (ours)" if key.startswith("our_") else words
 
 
 def entities(w: Written) -> list[str]:

@@ -73,14 +73,12 @@ def short(value: float) -> str:
 
 
 def interval(mean: float, low: float | None, high: float | None) -> Figure:
-    """Returns `163.2 [160.1, 166.3]`; just the mean if a bound is None, NaN or infinite, as for one
-    sample.
+    """Returns `163.2 [160.1, 166.3]`, rounded as an `Estimate` is; just the mean if a bound is None,
+    NaN or infinite, as for one sample.
     """
     if low is None or high is None or not (math.isfinite(low) and math.isfinite(high)):
         return Figure(number(mean), {"mean": mean})
-    return Figure(
-        f"{number(mean)} [{number(low)}, {number(high)}]", {"mean": mean, "low": low, "high": high}
-    )
+    return Figure(str(Estimate(mean, low, high)), {"mean": mean, "low": low, "high": high})
 
 
 def result_figure(result: Result | None) -> Figure:
@@ -109,7 +107,7 @@ def comparison_figures(comparison: Comparison | None) -> tuple[Figure, Figure]:
     p = comparison.p
     if p is None:
         return difference, EMPTY
-    return difference, Figure("< 0.001" if p < 0.001 else number(p), {"": p})
+    return difference, Figure("< 0.001" if p < 0.001 else f"{p:.2g}", {"": p})
 
 
 def differing_settings(

@@ -21,7 +21,7 @@ def test_games_are_listed(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None
     own, further, rest = shown.out.split("\n\n")
     assert rest.startswith("`sjdsl doc GAME`")
     assert own.splitlines()[0].split() == ["game", "agents", "map", "actions", "title"]
-    assert further.splitlines()[0] == "further families of Melting Pot"
+    assert further.splitlines()[0] == "further games of Melting Pot"
     rows = [own.splitlines()[1:], further.splitlines()[2:]]
     assert [[row.split()[0] for row in group] for group in rows] == [list(games), further_games]
     coins, _, mushrooms = rows[0]

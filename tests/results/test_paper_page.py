@@ -130,9 +130,7 @@ def test_speeds_are_taken_in_and_stand_beside_the_published_ones(tmp_path: Path)
     row, theirs = (dict(zip(speed.headings, line, strict=True)) for line in speed.rows[:2])
     assert (row["128"].text, theirs["128"].text) == ("400k [360k, 440k]", "260k")
     hours = paper.hours(found["updates"].loc[[update.Index]]).tables[0].rows[0]
-    assert (
-        hours[5].text == "8.681 [6.944, 13.89]"
-    )  # 1e9 steps at 32,000, 40,000 and 20,000 a second
+    assert hours[5].text == "8.7 [6.9, 13.9]"  # 1e9 steps at 32,000, 40,000 and 20,000 a second
 
 
 def test_a_catalogue_of_random_policies_is_taken_in(monkeypatch: pytest.MonkeyPatch) -> None:

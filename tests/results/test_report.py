@@ -32,7 +32,7 @@ def test_a_cell_is_the_mean_over_seeds_with_its_interval(tmp_path: Path) -> None
     assert cell["collective return mean"] == 155
     assert abs(cell["collective return high"] - (155 + 4.303 * 5 / 3**0.5)) < 1e-2
     assert texts(found) == [
-        ["coins", "IPPO, common", "155 [142.6, 167.4]", "3 seeds, 400 steps, unnamed CPU"]
+        ["coins", "IPPO, common", "155 [143, 167]", "3 seeds, 400 steps, unnamed CPU"]
     ]
 
 
@@ -49,7 +49,7 @@ def test_a_game_with_trials_has_its_return_in_each(tmp_path: Path) -> None:
         ["coins", "IPPO, individual", "1"],
     ]
     # Student's t with one degree of freedom is 12.71, from a printed table; the standard error 1.
-    assert [row[3] for row in rows] == ["41 [28.29, 53.71]", "60 [60, 60]"]
+    assert [row[3] for row in rows] == ["41 [28, 54]", "60 [60, 60]"]
     assert trials(read(tmp_path / "other").frame).tables == ()
 
 
@@ -72,7 +72,7 @@ def test_held_out_tasks_stand_beside_training_tasks(tmp_path: Path) -> None:
     frame = read(tmp_path).frame
     (row,) = texts(held_out(frame))
     # 100 - 90 and 106 - 98; Student's t with one degree of freedom is 12.71, the standard error 1.
-    last = "9 [-3.706, 21.71]"
+    last = "9 [-4, 22]"
     assert row[:3] == ["orchard", "IPPO, individual", "late"]
     assert row[3].startswith("103 ")
     assert row[4].startswith("94 ")
@@ -235,7 +235,7 @@ def test_the_command(
     write_run(Path("runs/c"), "pd_arena", (3.0, 5.0), reward="common")
     assert run(["report", "runs", "-o", "out"]) == 0
     told = capsys.readouterr()
-    assert "out/report.md  3 runs, 5 seeds, 1 tables, 1 pictures" in told.out
+    assert "out/report.md  3 runs, 5 seeds, 1 table, 1 picture" in told.out
     assert "note: `runs/b` isn't finished" in told.err
     for arguments, said in (
         (["nowhere", "-o", "other"], "error: there is no folder or file `nowhere`"),

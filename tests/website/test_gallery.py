@@ -18,16 +18,11 @@ def test_a_page_has_the_stored_figures_of_random_play() -> None:
     stored = json.loads((ROOT / "docs/games.json").read_text("utf-8"))["coins"]
     page = page_of("coins")
     assert f"{stored['episodes']} episodes from seed {stored['seed']}" in page
-    ends = (
-        f"{stored['values']['`own_coins`, in an episode, all agents'][end]:.2f}"
-        for end in ("mean", "low", "high")
-    )
-    mean, low, high = (end.rstrip("0") for end in ends)
-    assert f"| `own_coins`, in an episode, all agents | {mean} | {low} to {high} |" in page
-    assert (
-        "| equality of returns (1 - Gini) | not defined | some returns are negative, or all are 0 |"
-        in page
-    )
+    figures = stored["values"]["`own_coins`, in an episode, all agents"]
+    mean, low, high = (f"{figures[end]:.1f}" for end in ("mean", "low", "high"))
+    assert f"| `own_coins`, in an episode, all agents | {mean} [{low}, {high}] |" in page
+    undefined = "not defined: some returns are negative, or all are 0"
+    assert f"| equality of returns (1 - Gini) | {undefined} |" in page
 
 
 def test_a_game_of_melting_pot_has_no_figures_of_random_play() -> None:

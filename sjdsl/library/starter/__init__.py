@@ -67,5 +67,6 @@ def copied_files(game: Path, name: str) -> dict[str, str]:
 
 def _invalid_name(name: str) -> ValueError:
     return ValueError(
-        f"`{name}` cannot name a game: small letters, digits and _, a letter first, such as my_game"
+        f"`{name}` cannot name a game: use small letters, digits and _, a letter first, and no "
+        "keyword of Python, such as my_game"
     )
