@@ -1,5 +1,6 @@
 """A folder with a small game, and a way to run the command line in it."""
 
+import shlex
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -27,11 +28,11 @@ def grove(folder: Path) -> None:
 
 @pytest.fixture
 def sjdsl(folder: Path, capsys: pytest.CaptureFixture[str]) -> Sjdsl:
-    """Runs `sjdsl` with arguments in the folder."""
+    """Runs `sjdsl` in the folder: with words as one types them, and further arguments as they are."""
     del folder
 
-    def call(*arguments: str | Path) -> Output:
-        status = run([str(argument) for argument in arguments])
+    def call(typed: str, *arguments: str | Path) -> Output:
+        status = run([*shlex.split(typed), *map(str, arguments)])
         return Output(status, *capsys.readouterr())
 
     return call

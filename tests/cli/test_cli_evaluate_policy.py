@@ -36,7 +36,7 @@ def test_a_stored_policy_is_the_evaluation_of_its_run(
     sjdsl: Sjdsl, folder: Path, file: Path, described: dict[str, Any]
 ) -> None:
     alone = sjdsl("evaluate", file, *PLAYED, "--drawn", "-o", "alone.json")
-    run = sjdsl("evaluate", "runs/one", "--drawn", "--episodes", "3", "--seed", "4")
+    run = sjdsl("evaluate runs/one --drawn --episodes 3 --seed 4")
     assert (alone.status, run.status) == (0, 0), alone.text + run.text
     shown_alone, shown_run = (
         [line.split() for line in shown.out.splitlines() if line.startswith("  event")]
@@ -48,16 +48,16 @@ def test_a_stored_policy_is_the_evaluation_of_its_run(
         for name in ("runs/one/evaluation.json", "alone.json")
     )
     assert there["per_episode"] == here["per_episode"]
-    fewer = sjdsl("evaluate", "runs/one", "--episodes", "2")
+    fewer = sjdsl("evaluate runs/one --episodes 2")
     assert (
         fewer.status,
         "already holds an evaluation of this policy in 3 episodes" in fewer.err,
     ) == (0, True), fewer.text
     assert json.loads((folder / "runs/one/evaluation.json").read_text()) == there
-    assert sjdsl("evaluate", "runs/one", "--episodes", "3").status == 0
+    assert sjdsl("evaluate runs/one --episodes 3").status == 0
     assert json.loads((folder / "runs/one/evaluation.json").read_text()) != there
     store(folder / "runs/one", make_environment(described), 0, update=7)
-    assert sjdsl("evaluate", "runs/one", "--episodes", "2").status == 0
+    assert sjdsl("evaluate runs/one --episodes 2").status == 0
     later = json.loads((folder / "runs/one/evaluation.json").read_text())
     assert (later["episodes"], later["update"]) == (2, 7)
     assert here["digest"]
@@ -72,7 +72,7 @@ def test_what_cannot_be_evaluated_is_refused(sjdsl: Sjdsl, folder: Path, file: P
         other.status,
         "was trained on another game: grove there, orchard here" in other.err,
     ) == (1, True), other.text
-    again = sjdsl("evaluate", "runs/one", "--game", "grove.sj", "--agents", "2")
+    again = sjdsl("evaluate runs/one --game grove.sj --agents 2")
     assert (again.status, "a run is evaluated in its own game" in again.err) == (2, True), (
         again.text
     )
@@ -87,7 +87,7 @@ def test_what_cannot_be_evaluated_is_refused(sjdsl: Sjdsl, folder: Path, file: P
 
 @pytest.mark.usefixtures("no_code_allowed")
 def test_the_end_names_two_commands_for_the_same_game(sjdsl: Sjdsl, folder: Path) -> None:
-    shown = sjdsl("evaluate", "eater", *PLAYED, "--param", "growth[ripe]=0.5", "--agents", "2")
+    shown = sjdsl("evaluate eater --param 'growth[ripe]=0.5' --agents 2", *PLAYED)
     assert shown.status == 0, shown.text
     head, *commands = shown.out.splitlines()[-3:]
     game = "--game grove.sj --agents 2 --param 'growth[ripe]=0.5'"
@@ -104,7 +104,7 @@ def test_the_end_names_two_commands_for_the_same_game(sjdsl: Sjdsl, folder: Path
 
 
 def test_random_is_compared_with_nothing(sjdsl: Sjdsl, folder: Path) -> None:
-    shown = sjdsl("evaluate", "random", *PLAYED)
+    shown = sjdsl("evaluate random", *PLAYED)
     assert shown.status == 0, shown.text
     assert shown.out.splitlines()[2].split() == ["random"]
     assert "of a random policy" not in shown.out

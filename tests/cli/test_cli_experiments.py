@@ -5,20 +5,11 @@ from pathlib import Path
 
 from command_line import Sjdsl
 
-DIAGRAM = (
-    "schelling",
-    "orchard.sj",
-    "--cooperators",
-    "stay",
-    "--defectors",
-    "random",
-    "--episodes",
-    "3",
-)
+DIAGRAM = "schelling orchard.sj --cooperators stay --defectors random --episodes 3 --variant rich"
 
 
 def test_a_diagram(sjdsl: Sjdsl, folder: Path) -> None:
-    shown = sjdsl(*DIAGRAM, "--param", "length=4", "--variant", "rich")
+    shown = sjdsl(f"{DIAGRAM} --param length=4")
     assert shown.status == 0, shown.text
     assert "cooperators stay, defectors random; 3 episodes, of these policies only" in shown.out
     for line in (
@@ -37,9 +28,9 @@ def test_a_diagram(sjdsl: Sjdsl, folder: Path) -> None:
     assert (stored["cooperators"], stored["defectors"], stored["episodes"]) == ("stay", "random", 3)
     assert stored["C"]["mean"] == [0.0, 0.0], "who stays eats nothing"
 
-    again = sjdsl(*DIAGRAM, "--param", "length=4", "--variant", "rich")
+    again = sjdsl(f"{DIAGRAM} --param length=4")
     assert (again.status, again.out) == (0, shown.out)
-    other = sjdsl(*DIAGRAM, "--param", "length=5", "--variant", "rich")
+    other = sjdsl(f"{DIAGRAM} --param length=5")
     assert other.status == 1
     assert (
         "orchard_schelling holds another experiment: game params length 4 there, 5 here"
@@ -48,19 +39,7 @@ def test_a_diagram(sjdsl: Sjdsl, folder: Path) -> None:
 
 
 def test_cross_play_of_pairs(sjdsl: Sjdsl, folder: Path) -> None:
-    shown = sjdsl(
-        "crossplay",
-        "orchard.sj",
-        "--policies",
-        "stay",
-        "random",
-        "--mix",
-        "pairs",
-        "--episodes",
-        "3",
-        "-o",
-        "pairs",
-    )
+    shown = sjdsl("crossplay orchard.sj --policies stay random --mix pairs --episodes 3 -o pairs")
     assert shown.status == 0, shown.text
     assert "1 x stay, 1 x random" in shown.out
     assert {path.name for path in (folder / "pairs").iterdir() if path.is_file()} == {

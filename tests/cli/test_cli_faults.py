@@ -16,7 +16,7 @@ def test_an_interrupt_is_one_line(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch)
         raise KeyboardInterrupt
 
     monkeypatch.setattr(check, "open_game", interrupted)
-    shown = sjdsl("check", "orchard.sj")
+    shown = sjdsl("check orchard.sj")
     assert shown.status == 130
     assert shown.text.split() == ["interrupted"]
 
@@ -30,33 +30,12 @@ def test_a_mistake_of_ours_keeps_its_traceback(
         run(["check", "orchard.sj"])
 
 
-def test_help_lists_the_commands_without_importing_them() -> None:
-    program = (
-        "import sys; from sjdsl.cli import run; run(['--help']); "
-        "assert 'jax' not in sys.modules; assert 'sjdsl.compiler' not in sys.modules"
-    )
-    shown = subprocess.run(
-        [sys.executable, "-c", program], check=True, capture_output=True, text=True
-    ).stdout
-    for name in (
-        "check",
-        "compile",
-        "dump",
-        "explain",
-        "list",
-        "bench",
-        "render",
-        "train",
-        "evaluate",
-    ):
-        assert name in shown
-
-
 def test_no_help_and_nothing_that_only_reads_a_game_waits_for_jax(tmp_path: Path) -> None:
     """`test_transcripts.py` says the same of `check`, `compile`, `diff`, `trace` and `explain`."""
     (tmp_path / "orchard.sj").write_text(GAME)
     program = (
         "import sys; from sjdsl.cli import COMMANDS, run\n"
+        "assert not run(['--help']) and 'sjdsl.compiler' not in sys.modules\n"
         "assert not any(run([name, '--help']) for name in COMMANDS)\n"
         "assert not any(run([name, 'orchard.sj']) for name in ('fmt', 'doc'))\n"
         "assert not {'jax', 'flax', 'matplotlib', 'hypothesis'} & set(sys.modules), set(sys.modules)"

@@ -13,29 +13,18 @@ from command_line import INTERRUPTIBLE
 
 from sjdsl.replay import Dataset
 
-TRAIN = ("train", "orchard.sj", "--preset", "two_cores", "--run", "run")
+TRAIN = "train orchard.sj --preset two_cores --run run"
 SWEEP = (
-    "sweep",
-    "orchard.sj",
-    "--preset",
-    "two_cores",
-    "--axis",
-    "reward=individual,common",
-    "--workers",
-    "2",
-    "--run",
-    "sweep",
+    "sweep orchard.sj --preset two_cores --axis reward=individual,common --workers 2 --run sweep"
 )
 
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-@pytest.mark.parametrize("words", [TRAIN, SWEEP], ids=lambda words: words[0])
-def test_a_signal_ends_a_command_cleanly(
-    words: tuple[str, ...], number: signal.Signals, folder: Path
-) -> None:
+@pytest.mark.parametrize("call", [TRAIN, SWEEP])
+def test_a_signal_ends_a_command_cleanly(call: str, number: signal.Signals, folder: Path) -> None:
     process = subprocess.Popen(
-        [sys.executable, "-c", INTERRUPTIBLE, *words],
+        [sys.executable, "-c", INTERRUPTIBLE, *call.split()],
         cwd=folder,
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
@@ -45,7 +34,7 @@ def test_a_signal_ends_a_command_cleanly(
     )
     assert process.stdout is not None
     said = ""
-    if words is TRAIN:
+    if call is TRAIN:
         while "compiling" not in said:
             said = process.stdout.readline()
             assert said, "it ended before it compiled"
@@ -62,7 +51,7 @@ def test_a_signal_ends_a_command_cleanly(
 
 @pytest.mark.thorough
 def test_sigterm_keeps_recorded_episodes(folder: Path) -> None:
-    words = ("record", "orchard.sj", "--policy", "random", "--episodes", "1000000")
+    words = ["record", "orchard.sj", "--policy", "random", "--episodes", "1000000"]
     process = subprocess.Popen(
         [sys.executable, "-m", "sjdsl", *words],
         cwd=folder,

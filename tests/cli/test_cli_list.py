@@ -45,16 +45,9 @@ def test_lines_end_at_the_width_of_a_terminal(
 @pytest.mark.parametrize("stage", STAGES)
 def test_every_stage_can_be_dumped(sjdsl: Sjdsl, stage: str) -> None:
     first, second = (
-        sjdsl("dump", "orchard.sj", "--after", stage),
-        sjdsl("dump", "orchard.sj", "--after", stage),
+        sjdsl("dump orchard.sj --after", stage),
+        sjdsl("dump orchard.sj --after", stage),
     )
     assert first.status == 0
     assert first.out == second.out
     assert "orchard" in first.out
-
-
-def test_codes_are_explained(sjdsl: Sjdsl) -> None:
-    assert "SJ101" in sjdsl("explain", "SJ101").out
-    unknown = sjdsl("explain", "SJ9999")
-    assert unknown.status == 1
-    assert unknown.err.startswith("error:")

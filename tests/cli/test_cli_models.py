@@ -153,7 +153,7 @@ def test_a_dry_run_asks_nobody(folder: Path, sjdsl: Sjdsl, server: Server) -> No
     assert not (folder / "out").exists()
     refused = sjdsl("crossplay", str(MATRIX), "--slots", "stay,stay", "--dry-run")
     assert "--dry-run and --status are for language models, and none plays" in refused.text
-    refused = sjdsl("evaluate", "stay", "--game", str(MATRIX), "--status")
+    refused = sjdsl("evaluate stay --status --game", str(MATRIX))
     assert "--dry-run and --status are for --scenario" in refused.text
 
 
@@ -204,7 +204,7 @@ def test_wrong_names_are_refused_at_once(sjdsl: Sjdsl, server: Server) -> None:
     ):
         assert problem in sjdsl("crossplay", str(MATRIX), "--slots", f"{name},stay").text
         assert problem in sjdsl("record", str(MATRIX), "--policy", name).text
-    evaluated = sjdsl("evaluate", "models.toml:luna", "--game", str(MATRIX))
+    evaluated = sjdsl("evaluate models.toml:luna --game", str(MATRIX))
     assert "is asked in words, outside of compiled code" in evaluated.text
     trained = sjdsl("train", str(MATRIX), "--set", "partners=1=models.toml:luna")
     assert "neither as a partner in training" in trained.text
@@ -228,7 +228,7 @@ def test_a_person_plays_among_models(
     assert recording.players == ["models.toml:luna+cooperator", "you"]
     assert recording.why == [["my part", ""]] * 4
     assert "my part" not in shown.out, "the person doesn't read the thoughts of others"
-    replayed = sjdsl("replay", "played.json")
+    replayed = sjdsl("replay played.json")
     assert replayed.status == 0
     assert replayed.out.count("  0 models.toml:luna+cooperator: my part\n") == 4
 
@@ -279,9 +279,9 @@ def test_models_are_recorded_and_drawn(folder: Path, sjdsl: Sjdsl, server: Serve
     assert recording.actions == [[1, 1]] * 4
     assert recording.why == [["my part"] * 2] * 4
     assert Dataset(folder / "played.npz")[1].why.shape == (4, 2)
-    told = sjdsl("replay", "played.npz", "--messages", "--agent", "1").out
+    told = sjdsl("replay played.npz --messages --agent 1").out
     assert told.count("---- to agent 1 before step ") == 4 == told.count("---- to agent ")
-    assert sjdsl("replay", "played.npz", "--episode", "1").status == 0
+    assert sjdsl("replay played.npz --episode 1").status == 0
     (folder / "own.py").write_text(
         "from sjdsl.models import HostPolicy, Reply\n"
         "class Betrays(HostPolicy):\n"
@@ -291,7 +291,7 @@ def test_models_are_recorded_and_drawn(folder: Path, sjdsl: Sjdsl, server: Serve
     )
     own = sjdsl("record", str(MATRIX), "--policy", "own.py:betrays", "-o", "own.npz")
     assert own.status == 0, own.text
-    assert "0 own.py:betrays: so\\nerror: forged\\x1b[2J\n" in sjdsl("replay", "own.npz").out
+    assert "0 own.py:betrays: so\\nerror: forged\\x1b[2J\n" in sjdsl("replay own.npz").out
     drawn = sjdsl("render", str(MATRIX), *names, "--steps", "3", "-o", "film.html")
     assert drawn.status == 0, drawn.text
     assert len(server.requests) == 30

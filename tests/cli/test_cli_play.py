@@ -129,7 +129,7 @@ def test_ctrl_c_keeps_what_was_recorded(folder: Path) -> None:
 
 def test_what_was_recorded_is_shown_again(env: Environment, sjdsl: Sjdsl, folder: Path) -> None:
     (folder / "kept").mkdir()
-    played = sjdsl("play", "orchard.sj", "--watch", "--seed", "5", "--record", "kept/episode.json")
+    played = sjdsl("play orchard.sj --watch --seed 5 --record kept/episode.json")
     assert played.status == 0, played.text
     assert "kept/episode.json  6 steps of A Small Orchard" in played.out
     kept = json.loads((folder / "kept/episode.json").read_text())
@@ -142,10 +142,10 @@ def test_what_was_recorded_is_shown_again(env: Environment, sjdsl: Sjdsl, folder
     assert kept["returns"] == player.returns.tolist()
     boards = played.out.partition("\n\n")[2].partition("\n\nkept")[0]
     assert boards.count("step ") == 7
-    shown = sjdsl("replay", "kept/episode.json")
+    shown = sjdsl("replay kept/episode.json")
     assert shown.status == 0, shown.text
     assert shown.out.partition("\n\n")[2] == boards + "\n"
-    filmed = sjdsl("replay", "kept/episode.json", "-o", "film.gif")
+    filmed = sjdsl("replay kept/episode.json -o film.gif")
     assert "film.gif  7 frames" in filmed.out
     assert (folder / "film.gif").read_bytes().startswith(b"GIF8")
 
@@ -158,7 +158,7 @@ def test_an_episode_of_other_rules_is_refused(env: Environment, sjdsl: Sjdsl, fo
     (folder / "orchard.sj").write_text(
         (folder / "orchard.sj").read_text().replace("none: 0.1", "none: 0.2")
     )
-    shown = sjdsl("replay", "episode.json")
+    shown = sjdsl("replay episode.json")
     assert shown.status == 1
     assert "the rules of orchard have changed since the episode was recorded" in shown.err
     with pytest.raises(RecordingError, match="were recorded"):
@@ -167,12 +167,12 @@ def test_an_episode_of_other_rules_is_refused(env: Environment, sjdsl: Sjdsl, fo
 
 @pytest.mark.thorough
 def test_a_new_game_passes_its_tests(sjdsl: Sjdsl, folder: Path) -> None:
-    made = sjdsl("new", "pond")
+    made = sjdsl("new pond")
     assert made.status == 0, made.text
     assert made.out.split()[:3] == ["pond.sj", "pond.txt", "test_pond.py"]
-    assert "pond.sj: no problems" in sjdsl("check", "pond.sj").text
-    assert sjdsl("fmt", "--check", "pond.sj").status == 0
-    again = sjdsl("new", "pond")
+    assert "pond.sj: no problems" in sjdsl("check pond.sj").text
+    assert sjdsl("fmt --check pond.sj").status == 0
+    again = sjdsl("new pond")
     assert again.status == 1
     assert "pond.sj exists already; nothing was written" in again.err
     tests = subprocess.run(
@@ -184,7 +184,7 @@ def test_a_new_game_passes_its_tests(sjdsl: Sjdsl, folder: Path) -> None:
     )
     assert tests.returncode == 0, tests.stdout
     assert "3 passed" in tests.stdout
-    assert sjdsl("test", "pond.sj", "--examples", "20").status == 0
+    assert sjdsl("test pond.sj --examples 20").status == 0
 
 
 def alike(first: Moment, second: Moment) -> bool:

@@ -26,10 +26,10 @@ def test_play_follows_a_policy_without_jax(folder: Path) -> None:
 
 
 def test_an_episode_of_a_policy_is_recorded_and_drawn(sjdsl: Sjdsl) -> None:
-    drawn = sjdsl("render", "grove.sj", "--policy", "eater", "--steps", "4", "-o", "film.gif")
+    drawn = sjdsl("render grove.sj --policy eater --steps 4 -o film.gif")
     assert drawn.status == 0, drawn.text
-    recorded = sjdsl("record", "grove.sj", "--policy", "eater", "--episodes", "1", "-o", "kept.npz")
+    recorded = sjdsl("record grove.sj --policy eater --episodes 1 -o kept.npz")
     assert recorded.status == 0, recorded.text
-    misspelt = sjdsl("record", "grove.sj", "--policy", "eatre", "-o", "more.npz")
+    misspelt = sjdsl("record grove.sj --policy eatre -o more.npz")
     assert misspelt.status == 1
     assert "there is no policy `eatre`; did you mean `eater`?" in misspelt.err

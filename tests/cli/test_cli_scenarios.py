@@ -19,7 +19,7 @@ def test_a_run_of_two_seeds(sjdsl: Sjdsl, folder: Path) -> None:
     described = EnvironmentOptions().describe(str(folder / "grove.sj"))
     store_pool(folder / "runs/grove", make_environment(described), (0, 1))
     (folder / "runs/grove/manifest.json").write_text(json.dumps({"provenance": described}))
-    one = sjdsl("evaluate", "runs/grove", "--scenario", "guest", "--episodes", "3")
+    one = sjdsl("evaluate runs/grove --scenario guest --episodes 3")
     assert one.status == 0, one.text
     assert (
         "A Small Orchard: focal agents play runs/grove; mean returns of an agent, with 95 % intervals over 2 training seeds"
@@ -28,7 +28,7 @@ def test_a_run_of_two_seeds(sjdsl: Sjdsl, folder: Path) -> None:
     assert "guest     1 of 2" in one.out
     assert "pair" not in one.out
     assert "runs/grove/scenarios.json" in one.out
-    both = sjdsl("evaluate", "runs/grove/", "--scenario", "all", "--episodes", "3")
+    both = sjdsl("evaluate runs/grove/ --scenario all --episodes 3")
     assert both.status == 0, both.text
     assert "pair      2 of 2" in both.out
     assert one.out.splitlines()[3] in both.out
@@ -40,23 +40,23 @@ def test_a_run_of_two_seeds(sjdsl: Sjdsl, folder: Path) -> None:
     )
     assert list(stored["scenarios"]) == ["guest", "pair"]
     assert stored["scenarios"]["guest"]["baselines"].keys() == {"random", "eater", "stay"}
-    another = sjdsl("evaluate", "runs/grove", "--scenario", "all", "--episodes", "4")
+    another = sjdsl("evaluate runs/grove --scenario all --episodes 4")
     assert another.status == 1
     assert (
         "scenarios holds another experiment: episodes 3 there, 4 here. Name another folder"
         in another.err
     )
-    poorer = sjdsl("evaluate", "runs/grove", "--scenario", "pair", "--game", "orchard.sj")
+    poorer = sjdsl("evaluate runs/grove --scenario pair --game orchard.sj")
     assert "orchard has no scenarios; write one into the game's file" in poorer.err
     (folder / "orchard.sj").write_text(
         (folder / "grove.sj").read_text().replace("game grove", "game orchard")
     )
-    other = sjdsl("evaluate", "runs/grove", "--scenario", "pair", "--game", "orchard.sj")
+    other = sjdsl("evaluate runs/grove --scenario pair --game orchard.sj")
     assert (
         other.status,
         "was trained on another game: grove there, orchard here" in other.err,
     ) == (1, True), other.text
-    assert "runs/grove" in sjdsl("evaluate", "runs/grove/seed_0", "--episodes", "2").out, (
+    assert "runs/grove" in sjdsl("evaluate runs/grove/seed_0 --episodes 2").out, (
         "the run is evaluated alone as before"
     )
 

@@ -42,42 +42,6 @@ def test_games_are_described_with_their_tasks() -> None:
     assert len(game.task.given) == 8
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (["--tasks", "feding=red"], "did you mean `feeding`"),
-        (["--tasks", "pay[rod]=3"], "did you mean `pay[red]`"),
-        (["--tasks", "feeding=rod"], "one of red, green, blue"),
-        (["--tasks", "held_out"], "several splits, rules, rich, late"),
-        (["--tasks", "held_out", "--split", "rick"], "did you mean `rich`"),
-    ],
-)
-def test_what_does_not_fit_the_game_is_refused(
-    options: list[str], message: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert run(["trace", str(CASE), "--steps", "1", *options]) == 1
-    assert message in capsys.readouterr().err
-
-
-def test_a_game_without_a_task_says_so(capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(["trace", "coins", "--steps", "1", "--problem", "3"]) == 1
-    assert "coins has no task" in capsys.readouterr().err
-
-
-@pytest.mark.thorough
-def test_a_recorded_episode_is_replayed_with_its_tasks(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    file = tmp_path / "episodes.npz"
-    options = ["--tasks", "held_out", "--split", "late", "--episodes", "2", "-o", str(file)]
-    assert run(["record", str(CASE), *options]) == 0
-    capsys.readouterr()
-    assert run(["replay", str(file), "--episode", "1"]) == 0  # which checks rewards and returns
-    stored = load_recording(file, 1).environment
-    assert (stored["tasks"], stored["split"]) == ("held_out", "late")
-    assert "problem" not in stored
-
-
 SIDES: dict[str, dict[str, Any]] = {
     "late": {"tasks": "held_out", "split": "late"},
     "problem": {"problem": 906},

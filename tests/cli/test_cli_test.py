@@ -7,9 +7,6 @@ from pathlib import Path
 import pytest
 from command_line import GAME, Sjdsl
 
-from sjdsl.properties import Effort, GameFamily, Verification
-from sjdsl.properties.verify_properties import decide_statically
-
 HERE = Path(__file__).parent
 PASSING = """require apple >= 0
     conserved count(agent)
@@ -39,7 +36,7 @@ def games(folder: Path) -> Path:
 
 @pytest.mark.usefixtures("games")
 def test_checks_that_pass(sjdsl: Sjdsl, golden: Callable[[Path, str], None]) -> None:
-    shown = sjdsl("test", "passing.sj", "--examples", "30")
+    shown = sjdsl("test passing.sj --examples 30")
     assert shown.status == 0
     assert shown.err == "testing the checks of passing.sj\n"
     golden(HERE / "checks_passed.txt", shown.out)
@@ -47,7 +44,7 @@ def test_checks_that_pass(sjdsl: Sjdsl, golden: Callable[[Path, str], None]) -> 
 
 @pytest.mark.usefixtures("games")
 def test_checks_that_fail(sjdsl: Sjdsl, golden: Callable[[Path, str], None]) -> None:
-    shown = sjdsl("test", "failing.sj")
+    shown = sjdsl("test failing.sj")
     assert shown.status == 1
     assert shown.err == "testing the checks of failing.sj\n"
     golden(HERE / "checks_failed.txt", shown.out)
@@ -55,7 +52,7 @@ def test_checks_that_fail(sjdsl: Sjdsl, golden: Callable[[Path, str], None]) -> 
 
 @pytest.mark.usefixtures("games")
 def test_all_files_are_tested_though_one_fails(sjdsl: Sjdsl) -> None:
-    shown = sjdsl("test", "wrong.sj", "orchard.sj", "passing.sj", "--examples", "5")
+    shown = sjdsl("test wrong.sj orchard.sj passing.sj --examples 5")
     assert shown.status == 1
     assert "`cuont` is not known here" in shown.text
     assert "Traceback" not in shown.text
@@ -67,24 +64,21 @@ def test_all_files_are_tested_though_one_fails(sjdsl: Sjdsl) -> None:
 @pytest.mark.usefixtures("games")
 def test_examples_and_seed(sjdsl: Sjdsl) -> None:
     def steps(*options: str) -> str:
-        found = json.loads(sjdsl("test", "passing.sj", "--json", *options).out)
+        found = json.loads(sjdsl("test passing.sj --json", *options).out)
         return next(p["reason"] for p in found[0]["checks"] if p["how"] == "examples")
 
     few, more = (
         int(steps("--examples", number).split()[0].replace(",", "")) for number in ("7", "20")
     )
     assert 2 * few < more < 4 * few
-    shown = [
-        sjdsl("test", "failing.sj", "--examples", "40", "--seed", seed).out
-        for seed in ("5", "5", "6")
-    ]
+    shown = [sjdsl("test failing.sj --examples 40 --seed", seed).out for seed in ("5", "5", "6")]
     assert shown[0] == shown[1]
     assert shown[0] != shown[2]  # the mean over other episodes
 
 
 @pytest.mark.usefixtures("games")
 def test_json_has_verdicts_and_traces(sjdsl: Sjdsl) -> None:
-    shown = sjdsl("test", "failing.sj", "--examples", "60", "--json")
+    shown = sjdsl("test failing.sj --examples 60 --json")
     assert shown.status == 1
     (document,) = json.loads(shown.out)
     assert document["file"] == "failing.sj"
@@ -107,32 +101,11 @@ def test_a_variant_has_its_own_checks(sjdsl: Sjdsl, folder: Path) -> None:
     (folder / "two.sj").write_text(
         game.replace("{ set apple = 2 }", "{ set apple = 2  checks worth { always eaten < 0 } }")
     )
-    assert sjdsl("test", "two.sj", "--examples", "5").status == 0
-    shown = sjdsl("test", "two.sj", "--examples", "5", "--variant", "rich")
+    assert sjdsl("test two.sj --examples 5").status == 0
+    shown = sjdsl("test two.sj --examples 5 --variant rich")
     assert shown.status == 1
     assert "two.sj, variant rich: 1 check, 1 not passed" in shown.out
-    none = sjdsl("test", "two.sj", "--variant", "poor")
+    none = sjdsl("test two.sj --variant poor")
     assert none.status == 1
     assert "no variant `poor`" in none.text
     assert "Traceback" not in none.text
-
-
-@pytest.mark.thorough
-def test_a_bundled_game_by_its_name(sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Only what needs no playing: `tests/properties/test_games.py` plays the games, with shorter episodes."""
-
-    def only_static(
-        family: GameFamily, effort: Effort, progress: Callable[[str], None]
-    ) -> Verification:
-        static = {
-            number
-            for number in range(len(family.own.checks))
-            if decide_statically(family, number) is not None
-        }
-        return Verification(family, effort, static, progress)
-
-    monkeypatch.setattr("sjdsl.cli.test.Verification", only_static)
-    shown = sjdsl("test", "pd_arena")
-    assert shown.status == 0
-    assert "pd_arena: " in shown.out
-    assert "require prisoners_dilemma(payoff)  [decided: " in shown.out

@@ -40,7 +40,7 @@ def test_a_verdict_is_said_before_the_next_check_is_tested(
 
     monkeypatch.setattr(Verification, "verdict", watched)
     monkeypatch.setattr("sjdsl.cli.test.click.echo", lambda text, **_: said.append(text))
-    sjdsl("test", "checked.sj", "--examples", "5")
+    sjdsl("test checked.sj --examples 5")
     assert order[:5] == [
         "0 after 1",
         "1 after 2",
@@ -87,7 +87,7 @@ def test_an_interruption_leaves_a_summary(
     when: str, decided: set[str], not_yet: set[str], sjdsl: Sjdsl, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     interrupting(monkeypatch, when)
-    shown = sjdsl("test", "checked.sj", "--seed", "1", "--examples", "20")
+    shown = sjdsl("test checked.sj --seed 1 --examples 20")
     assert shown.status == 130
     assert "Traceback" not in shown.text
     lines = shown.out.splitlines()

@@ -6,19 +6,10 @@ import shlex
 from pathlib import Path
 
 import pytest
-from command_line import GAME, Sjdsl
+from command_line import Sjdsl
 
-from sjdsl.cli import run
-
-SMALL = (
-    "total_timesteps=96",
-    "num_envs=4",
-    "num_steps=12",
-    "num_minibatches=1",
-    "num_epochs=1",
-    "network=mlp",
-)
-QUICK = [part for value in SMALL for part in ("--set", value)]
+SMALL = "total_timesteps=96 num_envs=4 num_steps=12 num_minibatches=1 num_epochs=1 network=mlp"
+QUICK = [part for value in SMALL.split() for part in ("--set", value)]
 
 
 def next_commands(output: str) -> list[str]:
@@ -29,7 +20,7 @@ def next_commands(output: str) -> list[str]:
 
 @pytest.mark.thorough
 def test_a_run_can_be_evaluated_and_drawn(sjdsl: Sjdsl, folder: Path) -> None:
-    trained = sjdsl("train", "orchard.sj", *QUICK, "--param", "apple=2", "--episodes", "0")
+    trained = sjdsl("train orchard.sj --param apple=2 --episodes 0", *QUICK)
     assert trained.status == 0, trained.text
     run_dir = Path(
         "runs/orchard_ippo_individual_seed0"
@@ -52,10 +43,10 @@ def test_a_run_can_be_evaluated_and_drawn(sjdsl: Sjdsl, folder: Path) -> None:
     assert manifest["provenance"]["game"] == str(folder / "orchard.sj")
 
     for missing in ("@7", "@bst"):
-        shown = sjdsl("evaluate", f"{run_dir}{missing}")
+        shown = sjdsl(f"evaluate {run_dir}{missing}")
         assert shown.status == 1
         assert "has no policy" in shown.err
-    evaluated = sjdsl("evaluate", f"{run_dir}@best", "--episodes", "3")
+    evaluated = sjdsl(f"evaluate {run_dir}@best --episodes 3")
     assert evaluated.status == 0, evaluated.text
     assert "means of 3 episodes" in evaluated.out
     assert "playing 3 episodes of the trained policy" in evaluated.err
@@ -81,7 +72,7 @@ def test_a_run_can_be_evaluated_and_drawn(sjdsl: Sjdsl, folder: Path) -> None:
         assert (noted.status, said in noted.err) == (0, True), noted.text
     (run_dir / "manifest.json").write_text(json.dumps(manifest))
 
-    drawn = sjdsl("render", "orchard.sj", "--policy", run_dir, "--steps", "2", "-o", "film.gif")
+    drawn = sjdsl("render orchard.sj --steps 2 -o film.gif --policy", run_dir)
     assert drawn.status == 0, drawn.text
     assert (folder / "film.gif").stat().st_size > 0
     said = [
@@ -106,67 +97,35 @@ def test_a_preset_names_the_game(
     (folder / "p.toml").write_text(
         'game = "coins"\n[environment]\nparams = { length = 20 }\n[config]\nseed = 3\n'
     )
-    sjdsl("train", "--preset", "p.toml", "--param", "spawn=0.1")
+    sjdsl("train --preset p.toml --param spawn=0.1")
     assert seen["game"] == "coins"
     assert seen["params"] == {"length": 20, "spawn": 0.1}
-    sjdsl("train", "orchard.sj", "--preset", "p.toml")
+    sjdsl("train orchard.sj --preset p.toml")
     assert seen["params"] == {}, "another game does not take the preset's environment"
 
 
-@pytest.fixture(scope="module")
-def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The run of two seeds, with policies that were evaluated; called as on the command line."""
-    folder = tmp_path_factory.mktemp("trained")
-    (folder / "orchard.sj").write_text(GAME)
-    values = [*QUICK, "--set", "evaluate_every=1", "--set", "evaluation_episodes=3"]
-    call = [
-        "train",
-        str(folder / "orchard.sj"),
-        "--algorithm",
-        "mappo",
-        "--reward",
-        "svo",
-        *values,
-        "--seed",
-        "4",
-        "--seeds",
-        "2",
-    ]
-    assert run([*call, "--run", str(folder / "run"), "--episodes", "2"]) == 0
-    return folder / "run"
-
-
 @pytest.mark.slow
-def test_seeds_have_folders(trained: Path, sjdsl: Sjdsl) -> None:
-    manifest = json.loads((trained / "manifest.json").read_text())
-    config = manifest["config"]
-    assert (config["algorithm"], config["reward"], config["seed"], config["seeds"]) == (
-        "mappo",
-        "svo",
-        4,
-        2,
-    )
-    rows = []
-    for seed in ("seed_4", "seed_5"):
-        assert {"best.safetensors", "last.safetensors"} <= {
-            path.name for path in (trained / seed / "policies").iterdir()
-        }
-        assert json.loads((trained / seed / "policies" / "last.json").read_text())["seed"] == int(
-            seed[-1]
-        )
-        assert json.loads((trained / seed / "evaluation.json").read_text())["episodes"] == 2
-        rows.append(
-            [
-                json.loads(line)
-                for line in (trained / seed / "metrics.jsonl").read_text().splitlines()
-            ]
-        )
-    assert len(rows[0]) == len(rows[1]) == 2
-    assert rows[0][0]["loss"] != rows[1][0]["loss"], "seeds differ"
-    shown = sjdsl("train", "--resume", trained, "--episodes", "0")
+def test_seeds_have_folders(sjdsl: Sjdsl, folder: Path) -> None:
+    seeds = "--seed 4 --seeds 2 --algorithm mappo --reward svo"
+    evaluated = "--set evaluate_every=1 --set evaluation_episodes=3 --episodes 2"
+    trained = sjdsl(f"train orchard.sj --run run {seeds} {evaluated}", *QUICK)
+    assert trained.status == 0, trained.text
+    config = json.loads((folder / "run/manifest.json").read_text())["config"]
+    wanted = {"algorithm": "mappo", "reward": "svo", "seed": 4, "seeds": 2}
+    assert {name: config[name] for name in wanted} == wanted
+    losses = []
+    for seed in (4, 5):
+        own = folder / f"run/seed_{seed}"
+        assert (own / "policies/best.safetensors").is_file()
+        assert json.loads((own / "policies/last.json").read_text())["seed"] == seed
+        assert json.loads((own / "evaluation.json").read_text())["episodes"] == 2
+        rows = [json.loads(line) for line in (own / "metrics.jsonl").read_text().splitlines()]
+        assert len(rows) == 2
+        losses.append(rows[0]["loss"])
+    assert losses[0] != losses[1], "seeds differ"
+    shown = sjdsl("train --resume run --episodes 0")
     assert shown.status == 0, shown.text
-    assert f"{trained}/" in shown.out
-    assert f"the run in {trained} is finished" in shown.err
+    assert "the run in run is finished" in shown.err
     assert "--set total_timesteps=… makes it longer" in shown.err
 
 
@@ -186,18 +145,18 @@ def test_a_resumed_run_keeps_its_episodes_and_loggers(
     asked: list[object] = []
     monkeypatch.setattr(recorder, "draw_learning_curve", lambda *_: None)
     monkeypatch.setattr(module, "_finish", lambda *given: asked.append(given[-1]))
-    assert sjdsl("train", "orchard.sj", *QUICK, "--run", "kept", "--episodes", "7").status == 0
+    assert sjdsl("train orchard.sj --run kept --episodes 7", *QUICK).status == 0
     manifest = json.loads(Path("kept/manifest.json").read_text())
     assert (manifest["asked"], manifest["loggers"]) == ({"episodes": 7}, [])
     manifest["loggers"] = ["wandb"]
     Path("kept/manifest.json").write_text(json.dumps(manifest))
-    shown = sjdsl("train", "--resume", "kept")
+    shown = sjdsl("train --resume kept")
     assert "pip install 'sjdsl[wandb]'" in shown.err, "the run's logger is asked for again"
     manifest["loggers"] = []
     Path("kept/manifest.json").write_text(json.dumps(manifest))
-    assert sjdsl("train", "--resume", "kept").status == 0
-    assert sjdsl("train", "--resume", "kept", "--episodes", "2").status == 0
-    assert sjdsl("train", "--resume", "kept").status == 0
+    assert sjdsl("train --resume kept").status == 0
+    assert sjdsl("train --resume kept --episodes 2").status == 0
+    assert sjdsl("train --resume kept").status == 0
     assert asked == [7, 7, 2, 2], "and the last that was asked for stays"
 
 
@@ -255,15 +214,8 @@ def test_what_users_bring_along_is_named_on_the_command_line(
 
     monkeypatch.setattr(recorder, "draw_learning_curve", lambda *_: None)
     (folder / "mine.py").write_text(BROUGHT)
-    brought = (
-        "--reward",
-        "mine.py:double",
-        "--partners",
-        "1=mine.py:ahead",
-        "--callback",
-        "mine.py:watch",
-    )
-    shown = sjdsl("train", "orchard.sj", *QUICK, *brought, "--episodes", "0")
+    brought = "--reward mine.py:double --partners 1=mine.py:ahead --callback mine.py:watch"
+    shown = sjdsl(f"train orchard.sj --episodes 0 {brought}", *QUICK)
     assert shown.status == 0, shown.text
     run_dir = Path("runs/orchard_ippo_double_seed0")
     ahead = f"--allow-code {folder}/mine.py:ahead"
@@ -277,21 +229,17 @@ def test_what_users_bring_along_is_named_on_the_command_line(
         f"{folder}/mine.py:double",
         [[1, f"{folder}/mine.py:ahead"]],
     )
-    shown = sjdsl("train", "--resume", run_dir, "--set", "total_timesteps=144")
+    shown = sjdsl("train --set total_timesteps=144 --resume", run_dir)
     assert shown.status == 0, shown.text
     assert (folder / "told.txt").read_text() == "1 2 3 "
     row = json.loads((run_dir / "metrics.jsonl").read_text().splitlines()[-1])
     assert row["shaped_return"] == pytest.approx(2 * row["return"], abs=1e-6)
-    shown = sjdsl(
-        "render", "orchard.sj", "--policy", f"{run_dir}@best", "--steps", "1", "-o", "film.gif"
-    )
+    shown = sjdsl(f"render orchard.sj --policy {run_dir}@best --steps 1 -o film.gif")
     assert shown.status == 0, shown.text
-    shown = sjdsl(
-        "render", "orchard.sj", "--policy", f"{run_dir}@7", "--steps", "1", "-o", "film.gif"
-    )
+    shown = sjdsl(f"render orchard.sj --policy {run_dir}@7 --steps 1 -o film.gif")
     assert shown.status == 1
     assert "has no policy of update 7, but of 1, 2, 3" in shown.err
-    shown = sjdsl("train", "--resume", run_dir, "--set", "total_timesteps=48")
+    shown = sjdsl("train --set total_timesteps=48 --resume", run_dir)
     assert shown.status == 1
     assert "a run can only be made longer" in shown.err
 
@@ -318,7 +266,7 @@ def test_a_run_in_stages_goes_on_in_its_stage(sjdsl: Sjdsl, folder: Path) -> Non
         "the callback ended the run in stage 1; sjdsl train --resume run continues it"
         in stopped.out
     )
-    resumed = sjdsl("train", "--resume", "run")
+    resumed = sjdsl("train --resume run")
     assert resumed.status == 0, resumed.text
     assert "orchard, ippo, individual reward, stage 1: resuming after update 1" in resumed.out
     assert "the last stage: 48 environment steps" in resumed.out

@@ -16,7 +16,7 @@ def test_on_a_terminal_it_is_asked_for(
     monkeypatch.setattr(sys.stdin, "isatty", lambda: True, raising=False)
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True, raising=False)
     monkeypatch.setattr(click, "confirm", lambda question, **_: asked.append(question) or answer)
-    shown = sjdsl("doc", "orchard.sj", "-o", "deep/down/a.md")
+    shown = sjdsl("doc orchard.sj -o deep/down/a.md")
     assert asked == ["There is no folder `deep/down` to write a.md to. Make it?"]
     assert (folder / "deep/down/a.md").is_file() == answer
     assert shown.status == int(not answer)
@@ -28,30 +28,20 @@ READ_ONLY = Path("/proc")
 
 @pytest.mark.skipif(not READ_ONLY.is_dir(), reason="there is no folder that nobody can write to")
 @pytest.mark.parametrize(
-    "words",
+    "call",
     [
-        [
-            "schelling",
-            "orchard.sj",
-            "--cooperators",
-            "stay",
-            "--defectors",
-            "random",
-            "-o",
-            "/proc/deep/diagram",
-        ],
-        ["crossplay", "orchard.sj", "--policies", "stay", "-o", "/proc/met"],
-        ["evaluate", "random", "--game", "orchard.sj", "-o", "/proc/a.json"],
-        ["record", "orchard.sj", "-o", "/proc/a.npz"],
-        ["play", "orchard.sj", "--record", "/proc/a.json"],
-        ["bench", "orchard.sj", "--json", "/proc/new/a.json"],
-        ["report", ".", "-o", "/proc/report"],
+        "schelling orchard.sj --cooperators stay --defectors random -o /proc/deep/diagram",
+        "crossplay orchard.sj --policies stay -o /proc/met",
+        "evaluate random --game orchard.sj -o /proc/a.json",
+        "record orchard.sj -o /proc/a.npz",
+        "play orchard.sj --record /proc/a.json",
+        "bench orchard.sj --json /proc/new/a.json",
+        "report . -o /proc/report",
     ],
-    ids=lambda words: words[0],
 )
 def test_a_place_that_cannot_be_written_is_refused_before_anything_is_played(
-    words: list[str], sjdsl: Sjdsl
+    call: str, sjdsl: Sjdsl
 ) -> None:
-    refused = sjdsl(*words)
+    refused = sjdsl(call)
     assert refused.status == 1
     assert refused.err.startswith("error: nothing can be written to `/proc`: "), refused.text

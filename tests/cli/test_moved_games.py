@@ -134,7 +134,7 @@ def test_an_episode_is_replayed_with_the_game_that_is_named(project: Path, sjdsl
     }
     (project / "episode.json").write_text(json.dumps(episode))
     (project / "games").rename(project / "rules")
-    shown = sjdsl("replay", "project/episode.json", "--game", "project/rules/short.sj")
+    shown = sjdsl("replay project/episode.json --game project/rules/short.sj")
     assert shown.status == 0, shown.err
 
 

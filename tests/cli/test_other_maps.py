@@ -48,7 +48,7 @@ def test_a_mistake_in_a_map(
     sjdsl: Sjdsl, folder: Path, text: str, code: str, place: tuple[int, int] | None, words: str
 ) -> None:
     (folder / "other.txt").write_bytes(text.encode())
-    shown = sjdsl("compile", "clean_up", "--map", "other.txt")
+    shown = sjdsl("compile clean_up --map other.txt")
     assert shown.status == 1
     where = f"other.txt:{place[0]}:{place[1]}" if place else "clean_up.sj:"
     assert f"error[{code}] {where}" in shown.err or (
@@ -73,7 +73,7 @@ def test_rows_that_are_given_have_a_place_too() -> None:
 
 def test_a_map_that_is_not_there(sjdsl: Sjdsl, folder: Path) -> None:
     del folder
-    shown = sjdsl("compile", "clean_up", "--map", "none.txt")
+    shown = sjdsl("compile clean_up --map none.txt")
     assert (shown.status, shown.err.strip()) == (1, "error: there is no map file `none.txt`")
     with pytest.raises(FileNotFoundError, match=r"there is no map file `none\.txt`"):
         package.make("clean_up", map="none.txt")
@@ -90,14 +90,14 @@ def test_a_mistake_in_the_games_own_map_file(sjdsl: Sjdsl, folder: Path) -> None
     (folder / "games/pond.sj").write_text(
         bundled.read_text().replace('"maps/clean_up.txt"', '"maps/pond.txt"', 1)
     )
-    shown = sjdsl("compile", "games/pond.sj")
+    shown = sjdsl("compile games/pond.sj")
     assert "error[SJ301] games/maps/pond.txt:2:4" in shown.err
     assert "2 | .PP?P." in shown.err
 
 
 def test_a_good_map_is_the_map(sjdsl: Sjdsl, folder: Path) -> None:
     (folder / "other.txt").write_text(GOOD)
-    assert sjdsl("compile", "clean_up", "--map", "other.txt").status == 0
+    assert sjdsl("compile clean_up --map other.txt").status == 0
     assert "'.PPPP.'" in (folder / "generated/clean_up.py").read_text()
     rows = tuple(GOOD.split())
     assert (

@@ -10,46 +10,6 @@ from sjdsl.compiler import check
 from sjdsl.compiler.diagnostics.source import Source
 from tests.damage import edits
 
-COUNTED = """sj 1
-game small "Small" {
-  episode 10
-  kind floor "."
-  map { "..." }
-  agents 2 { acts stay }
-  phase start { each agent { send agent to floor } }
-  schedule pay
-  phase pay { each agent as a { give 1 to a } }
-  variant dear { phase pay { each agent as a { give 2 to a } } }
-}
-"""
-
-
-@pytest.fixture
-def lowered(monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """The names of the games that are lowered from now on."""
-    names: list[str] = []
-    lower_build = compiler.lower_build
-    monkeypatch.setattr(
-        compiler,
-        "lower_build",
-        lambda made, source: names.append(made.game.name) or lower_build(made, source),
-    )
-    compiler._lowered.cache_clear()
-    return names
-
-
-def test_only_rules_that_changed_are_lowered_again(lowered: list[str]) -> None:
-    for variant in ((), ("dear",)):
-        assert not [d for d in check(Source("small.sj", COUNTED), variant) if d.severity == "error"]
-    assert len(lowered) == 2
-    for remark in ("# a\n", "# ab\n\n"):
-        edited = COUNTED.replace("game small", remark + "game small").replace("give 2", "give 3")
-        check(Source("small.sj", edited))
-        check(Source("small.sj", edited), ("dear",))
-    assert len(lowered) == 3  # the variant, once
-    check(Source("small.sj", COUNTED.replace("give 1", "give 4")))
-    assert len(lowered) == 4
-
 
 @pytest.mark.parametrize("game", ["coins", "pd_arena"])
 def test_an_edited_game_has_the_messages_of_one_that_is_new(game: str) -> None:

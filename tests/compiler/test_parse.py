@@ -201,19 +201,6 @@ def test_a_brace_too_many_is_pointed_at() -> None:
     assert found.labels[0].span.line == 3
 
 
-@pytest.mark.parametrize(
-    ("statements", "help_"),
-    [
-        ("when a = b { }", "`==` compares numbers, and `is` compares words"),
-        ('kind b "c"', "a declaration stands outside the phases"),
-        ("wehn", "did you mean `when`?"),
-    ],
-)
-def test_help(statements: str, help_: str) -> None:
-    (found,) = problems(in_phase(statements))
-    assert found.hint == help_
-
-
 def test_fixes_repair() -> None:
     for wrong in ("give (1 + 2 to a", "eech a { }", "when a = b { }", "set A = b"):
         text = in_phase(wrong)

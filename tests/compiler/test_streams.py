@@ -1,17 +1,13 @@
 """Streams of draws: made from the phase use and the text of a statement, one for each, whatever else a game says."""
 
 import hashlib
-from collections import Counter
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from sjdsl.compiler import build, ir
-from sjdsl.compiler.diagnostics.source import Source, Span
-from sjdsl.compiler.elaborate import statements
-from sjdsl.compiler.elaborate.streams import Streams
+from sjdsl.compiler.diagnostics.source import Source
 from sjdsl.compiler.syntax.read import read_source
 from sjdsl.library.games_folder import find_game, main_games
 from tests.verify_ir import verify
@@ -95,19 +91,3 @@ def test_streams_are_made_as_the_semantics_say() -> None:
     names = ("stream", "cell_stream", "heading_stream")
     streams = [getattr(node, name, None) for node in ir.walk(game) for name in names]
     assert sorted(expected) == sorted(stream for stream in streams if stream is not None)
-
-
-def test_no_statement_is_elaborated_twice(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Each time counts as a repeat of its text, so that a second one would change the draws of all that follow with the same text."""
-    seen, elaborate = Counter[tuple[int, Span]](), statements.stmt
-    uses: list[Any] = []  # kept, so that no other gets the same id
-
-    def counted(s: Any, scope: Any, use: Streams) -> Any:
-        uses.append(use.seen)  # one counter for all blocks of a phase
-        seen[id(use.seen), s.span] += 1
-        return elaborate(s, scope, use)
-
-    monkeypatch.setattr(statements, "stmt", counted)
-    for path in FILES:
-        build(read_source(path))
-    assert len(seen) > 500 and set(seen.values()) == {1}

@@ -4,7 +4,6 @@ import itertools
 import random
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import prod
 from pathlib import Path
 
 import jax
@@ -24,10 +23,12 @@ def text(
     rules: str = "",
     declared: str = "",
     of_agents: str = "",
-    metrics: str = "",
+    metrics: str | None = None,
     checks: str = "",
     episode: str = "20",
 ) -> str:
+    if metrics is None:
+        metrics = "event hits" if "hits" in rules else ""
     return f"""sj 1
 game sums {{
   {declared}
@@ -50,27 +51,26 @@ def said(game: str) -> list[str]:
 
 END = "; whole numbers end at 2147483647"
 POT = "field pot : 0 .. 1000000000 capped = 0"
-HITS = "event hits"
 
 
 @pytest.mark.parametrize(
     ("game", "message"),
     [
-        (text("when step * 1000000 > 5 { tally hits }", metrics=HITS, episode="2148"), f"`step * 1000000` can become 2148000000{END}"),
-        (text("tally hits by k * k", "param k : count = 46341", metrics=HITS), f"`k * k` can become 2147488281{END}"),
+        (text("when step * 1000000 > 5 { tally hits }", episode="2148"), f"`step * 1000000` can become 2148000000{END}"),
+        (text("tally hits by k * k", "param k : count = 46341"), f"`k * k` can become 2147488281{END}"),
         (text(declared="field big : 0 .. 536870912 = 0", metrics="final x = min(big * 4, 7)"), f"`big * 4` can become 2147483648{END}"),
         (text("each agent { add 286870912 to pot }", POT), f"4 times in a phase, this can let `pot` become 2147483648{END}"),
-        (text("tally hits by 2147483647  tally hits by 1", metrics=HITS), f"1 time in a step, this can let the count of `hits` become 2147483648{END}"),
-        (text("each agent { tally hits by 536870912 }", metrics=HITS), f"4 times in a step, this can let the count of `hits` become 2147483648{END}"),
+        (text("tally hits by 2147483647  tally hits by 1"), f"1 time in a step, this can let the count of `hits` become 2147483648{END}"),
+        (text("each agent { tally hits by 536870912 }"), f"4 times in a step, this can let the count of `hits` become 2147483648{END}"),
         (text(of_agents="field worth : 0 .. 536870912 = 0", metrics="final x = sum(agent.worth over agent)"), f"`sum(agent.worth over agent as agent)` can become 2147483648{END}"),
         (text(declared="field row by { a, b } : 0 .. 1073741824 = 0", metrics="final x = sum(row)"), f"`sum(row)` can become 2147483648{END}"),
-        (text("when 0 - big * 3 < 0 { tally hits }", "field big : 0 .. 1000000000 = 0", metrics=HITS), f"`big * 3` can become 3000000000{END}"),
-        (text("when low - 2147483647 - 2 < 0 { tally hits }", "field low : 0 .. 9 = 0", metrics=HITS), "`(low - 2147483647) - 2` can become -2147483649; whole numbers begin at -2147483648"),
-        (text("tally hits by 2 * 1500000000", metrics=HITS), f"`3000000000` can become 3000000000{END}"),
+        (text("when 0 - big * 3 < 0 { tally hits }", "field big : 0 .. 1000000000 = 0"), f"`big * 3` can become 3000000000{END}"),
+        (text("when low - 2147483647 - 2 < 0 { tally hits }", "field low : 0 .. 9 = 0"), "`(low - 2147483647) - 2` can become -2147483649; whole numbers begin at -2147483648"),
+        (text("tally hits by 2 * 1500000000"), f"`3000000000` can become 3000000000{END}"),
         (text("each agent { set agent.hot = agent.hot + 3 }", of_agents="timer hot", episode="715827883"), f"`agent.hot` can become 2147483649{END}"),
-        (text("tally hits by 1000000", metrics=HITS, checks="always hits >= 0", episode="2148"), f"`hits` can become 2148000000{END}"),
-        (text("let twice = big * 2  tally hits by twice", "field big : 0 .. 1073741824 = 0", metrics=HITS), f"`big * 2` can become 2147483648{END}"),
-        (text("draw n from 3 .. k  tally hits by n * 300000000", "param k : count = 9 in 3 .. 60000", metrics=HITS), f"`n * 300000000` can become 2700000000{END}"),
+        (text("tally hits by 1000000", checks="always hits >= 0", episode="2148"), f"`hits` can become 2148000000{END}"),
+        (text("let twice = big * 2  tally hits by twice", "field big : 0 .. 1073741824 = 0"), f"`big * 2` can become 2147483648{END}"),
+        (text("draw n from 3 .. k  tally hits by n * 300000000", "param k : count = 9 in 3 .. 60000"), f"`n * 300000000` can become 2700000000{END}"),
     ],
 )  # fmt: skip
 def test_what_can_leave_int32_is_refused(game: str, message: str) -> None:
@@ -82,17 +82,17 @@ def test_the_bound_that_helps_is_the_largest_that_does() -> None:
         (only,) = errors_in(game)
         return only.hint
 
-    squared = text("tally hits by k * k", "param k : count = 99999", metrics=HITS)
+    squared = text("tally hits by k * k", "param k : count = 99999")
     assert help_of(squared) == "`k` can be 46340 at most"
     assert not errors_in(squared.replace("99999", "46340"))
     assert errors_in(squared.replace("99999", "46341"))
     pot = text("each agent { add 999999999 to pot }", POT)
     assert help_of(pot) == "it can be 286870911 at a time at most"
     assert not errors_in(pot.replace("999999999", "286870911"))
-    counted = text("each agent { tally hits by 999999999 }  tally hits by 3", metrics=HITS)
+    counted = text("each agent { tally hits by 999999999 }  tally hits by 3")
     assert help_of(counted) == "it can be 536870911 at a time at most"
     assert not errors_in(counted.replace("999999999", "536870911"))
-    guarded = text("tally hits by big * 3", "field big : 0 .. 1000000000 = 0", metrics=HITS)
+    guarded = text("tally hits by big * 3", "field big : 0 .. 1000000000 = 0")
     assert (
         help_of(guarded)
         == "guard it with `when big <= 715827882`, or see to it that `big` has a smaller range"
@@ -105,24 +105,24 @@ def test_the_bound_that_helps_is_the_largest_that_does() -> None:
 @pytest.mark.parametrize(
     "game",
     [
-        text("when big < 10 and big * 1000 > 5 { tally hits }", "field big : 0 .. 1000000000 = 0", metrics=HITS),
-        text("when big > 10 or big * 1000 > 5 { tally hits }", "field big : 0 .. 1000000000 = 0", metrics=HITS),
-        text("when big > k { tally hits } otherwise { tally hits by big * 1000 }", "param k : count = 9  field big : 0 .. 1000000000 = 0", metrics=HITS),
-        text("tally hits by case big { 0..9: big * 1000, otherwise: 1 }", "field big : 0 .. 1000000000 = 0", metrics=HITS),
-        text("tally hits by count(agent as a where a.worth in 1 .. 9 and a.worth * 1000 > 5)", of_agents="field worth : 0 .. 1000000000 = 0", metrics=HITS),
-        text("tally hits by sum(a.worth * 9 over agent as a where a.worth < 9)", of_agents="field worth : 0 .. 1000000000 = 0", metrics=HITS),
-        text("each agent as a where a.worth <= 5 { tally hits by a.worth * 1000 for a }", of_agents="field worth : 0 .. 1000000000 = 0", metrics=HITS),
-        text("chance 0.5 { tally hits by 2000000000 } otherwise { tally hits by 2000000001 }", metrics=HITS),
-        text("pick 1 agent { tally hits by 2000000000 }", metrics=HITS),
-        text("each agent { tally hits by 2000000000 for agent }", metrics=HITS),
-        text("each agent as a { each agent as b { tally hits by 500000000 for b } }", metrics=HITS),
+        text("when big < 10 and big * 1000 > 5 { tally hits }", "field big : 0 .. 1000000000 = 0"),
+        text("when big > 10 or big * 1000 > 5 { tally hits }", "field big : 0 .. 1000000000 = 0"),
+        text("when big > k { tally hits } otherwise { tally hits by big * 1000 }", "param k : count = 9  field big : 0 .. 1000000000 = 0"),
+        text("tally hits by case big { 0..9: big * 1000, otherwise: 1 }", "field big : 0 .. 1000000000 = 0"),
+        text("tally hits by count(agent as a where a.worth in 1 .. 9 and a.worth * 1000 > 5)", of_agents="field worth : 0 .. 1000000000 = 0"),
+        text("tally hits by sum(a.worth * 9 over agent as a where a.worth < 9)", of_agents="field worth : 0 .. 1000000000 = 0"),
+        text("each agent as a where a.worth <= 5 { tally hits by a.worth * 1000 for a }", of_agents="field worth : 0 .. 1000000000 = 0"),
+        text("chance 0.5 { tally hits by 2000000000 } otherwise { tally hits by 2000000001 }"),
+        text("pick 1 agent { tally hits by 2000000000 }"),
+        text("each agent { tally hits by 2000000000 for agent }"),
+        text("each agent as a { each agent as b { tally hits by 500000000 for b } }"),
         text("each agent { add 1000000000 to agent.worth }", of_agents="field worth : 0 .. 1000000000 capped = 0"),
         text("each agent { set agent.hot = agent.hot + 3 }", of_agents="timer hot", episode="700000000"),
         text("each agent { set agent.hot = min(agent.hot + 3, 9) }", of_agents="timer hot", episode="2000000000"),
-        text("when big * 1.0 * big > 5 { tally hits }", "field big : 0 .. 1000000000 = 0", metrics=HITS),
+        text("when big * 1.0 * big > 5 { tally hits }", "field big : 0 .. 1000000000 = 0"),
         text(declared="param k : count = 100000", checks="require k * k > 5"),
         text("when deep == -1000000000 { add 2000000000 to deep }", "field deep : -1000000000 .. 1000000000 = 0"),
-        text("when unlimited > 5 { tally hits }", "param unlimited : count = 7", metrics=HITS),
+        text("when unlimited > 5 { tally hits }", "param unlimited : count = 7"),
     ],
 )  # fmt: skip
 def test_what_cannot_leave_int32_is_accepted(game: str) -> None:
@@ -236,25 +236,7 @@ def written(e: Expression) -> str:
 
 def value(e: Expression, of: dict[Leaf, int]) -> int:
     """Returns the value of an expression in Python's integers."""
-    if isinstance(e, Leaf):
-        return of[e]
-    parts = [value(part, of) for part in e.parts]
-    match e.fn:
-        case "min":
-            return min(parts)
-        case "max":
-            return max(parts)
-        case "neg":
-            return -parts[0]
-        case "+":
-            return sum(parts)
-        case "-":
-            return parts[0] - parts[1]
-        case "*":
-            return prod(parts)
-        case "%":
-            return parts[0] % parts[1]
-    raise AssertionError(e)
+    return int(eval(written(e), {leaf.said: number for leaf, number in of.items()}))
 
 
 def leaves(e: Expression) -> list[Leaf]:
@@ -317,7 +299,6 @@ def test_an_expression_is_refused_if_and_only_if_a_part_of_it_leaves_int32_at_so
         game = text(
             f"when {written(e)} > 0 {{ tally hits }}",
             declared(fields, dict.fromkeys(fields, 0)),
-            metrics=HITS,
         )
         leaving = any(
             not LOWEST <= value(part, at) <= HIGHEST for part in parts_of(e) for at in corners(e)
@@ -336,7 +317,7 @@ def test_what_is_accepted_is_computed_as_unbounded_integers_are(tmp_path: Path) 
         e = random_expression(rng, rng.sample(fields, len(fields)), 4, "+ - * % min max neg")
         counted = f"tally hits by max({written(e)}, 0)  tally hits by max(0 - {written(e)}, 0)"
         if len(set(leaves(e))) > 1 and not errors_in(
-            text(counted, declared(fields, dict.fromkeys(fields, 0)), metrics=HITS)
+            text(counted, declared(fields, dict.fromkeys(fields, 0)))
         ):
             accepted.append(e)
     names = [(f"up{i}", f"down{i}") for i in range(many)]

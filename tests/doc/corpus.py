@@ -55,8 +55,3 @@ def manual() -> dict[str, Written]:
 def _files() -> Iterator[tuple[str, str]]:
     yield from ((f"{name}.sj", text) for name, text in frames().items())
     yield from ((block.info["file"], block.text) for block in blocks() if "file" in block.info)
-
-
-def corpus() -> dict[str, Written]:
-    """Returns all programs by name."""
-    return games() | small() | manual()

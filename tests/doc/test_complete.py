@@ -10,13 +10,15 @@ from sjdsl.doc import rule_sheet
 
 from .corpus import games, manual, small
 
+pytestmark = [
+    pytest.mark.thorough,
+    pytest.mark.parametrize("programs", [games, small, manual], ids=["games", "small", "manual"]),
+]
 LEFT_OVER = re.compile(
     r"\bTrue\b|\bFalse\b|\bNone\b|\binf\b|\(\)|[a-z]  [a-z]|\w+\(.*?=|object at|\* \*|[.,:;][.,:;]"
 )
 
 
-@pytest.mark.thorough
-@pytest.mark.parametrize("programs", [games, small, manual], ids=["games", "small", "manual"])
 def test_every_program_has_a_sheet(programs) -> None:
     for name, written in programs().items():
         text = rule_sheet(written)
@@ -30,8 +32,6 @@ def test_every_program_has_a_sheet(programs) -> None:
         assert not found, (name, found)
 
 
-@pytest.mark.thorough
-@pytest.mark.parametrize("programs", [games, small, manual], ids=["games", "small", "manual"])
 def test_what_is_quoted_is_every_word_of_the_file(programs) -> None:
     for name, written in programs().items():
         c, sheet = written.composition, "".join(rule_sheet(written).split())

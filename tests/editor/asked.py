@@ -64,14 +64,11 @@ def opened(
     return session, uri
 
 
-def place(session: Session, uri: str, before: str, number: int = 1) -> types.Position:
-    """Returns the position behind the first, or a further, occurrence of some characters."""
+def place(session: Session, uri: str, before: str) -> types.Position:
+    """Returns the position behind the first occurrence of some characters."""
     document = session.documents.get(uri)
     assert document is not None
-    at = -1
-    for _ in range(number):
-        at = document.text.index(before, at + 1)
-    return document.lines.position(at + len(before))
+    return document.lines.position(document.text.index(before) + len(before))
 
 
 def texts(session: Session, locations: list[types.Location]) -> list[tuple[str, int, str]]:

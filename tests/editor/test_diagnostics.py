@@ -52,11 +52,6 @@ def test_a_mistake_of_some_variants_names_them() -> None:
     assert not [message for message in found if "rich" in message]
 
 
-def test_a_mistake_of_the_game_itself_is_told_once() -> None:
-    (found,) = told(ORCHARD.replace("give apple", "give appel"))
-    assert "variant" not in found.message
-
-
 def test_messages_are_those_of_check_in_all_variants() -> None:
     text = ORCHARD.replace("set apple = 2", "set apple = 2  schedule tick -> walk").replace(
         "field bag", "field idle : 0 .. 3 = 0  field bag"

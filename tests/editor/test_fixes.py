@@ -64,12 +64,7 @@ def test_a_quick_fix_repairs_the_game(old: str, new: str, title: str) -> None:
 
 
 def test_a_word_of_the_language_gets_another_name_everywhere() -> None:
-    text = (
-        ORCHARD.replace("ready", "window")
-        .replace("define window", "define window")
-        .replace("observe { window", "observe { window")
-    )
-    session, uri = opened(text)
+    session, uri = opened(ORCHARD.replace("ready", "window"))
     (found, *_) = [
         a
         for d in session.diagnostics(uri)

@@ -47,11 +47,6 @@ def test_equal_samples_have_an_interval_of_no_width() -> None:
     } == {0.0}
 
 
-def test_contrasts_that_are_all_zero_are_no_dilemma() -> None:
-    found = judge(contrast_samples(returns_of([1.0, 1.0], [1.0, 1.0])))
-    assert (found.outcome, found.shape) == ("no dilemma", "neither")
-
-
 SPREAD, ZERO, ABOVE = np.array([-1.0, -1.1, -0.9]), np.zeros(3), np.ones(3)
 
 

@@ -75,19 +75,6 @@ def test_all_line_ups_are_one_compilation(tmp_path: Path) -> None:
 
 
 @pytest.mark.thorough
-def test_a_line_up_of_one_policy_is_its_evaluation(tmp_path: Path) -> None:
-    """Bit for bit, draws included: one that draws its actions, with memory, and chance."""
-    env = matrix_game()
-    file = store(tmp_path, env, 0, memory="gru")
-    for name in (str(file), "random"):
-        found = cross_play(env, slots=[name, name], episodes=6, seed=4)
-        np.testing.assert_array_equal(
-            found.parts[0].played.returns,
-            evaluate(env, find_policy(name, env), play_key(4, 0), 6).returns,
-        )
-
-
-@pytest.mark.thorough
 def test_of_a_mixture_without_a_trained_policy_episodes_are_the_samples(tmp_path: Path) -> None:
     env = matrix_game()
     pool = str(store_pool(tmp_path / "run", env, (4, 5, 6)))

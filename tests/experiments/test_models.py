@@ -253,13 +253,6 @@ def test_a_changed_request_is_refused(tmp_path: Path) -> None:
         diagram(tmp_path)
 
 
-def test_another_experiment_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(LimitReached):
-        diagram(tmp_path, Limits(calls=9))
-    with pytest.raises(sjdsl.experiments.ExperimentError, match="holds another experiment"):
-        schelling_diagram(matrix_game(), FAKE, FAKE.as_role("defector"), folder=tmp_path)
-
-
 def test_a_budget_is_kept_before_it_is_passed(tmp_path: Path) -> None:
     whole = diagram(tmp_path / "whole")
     dollars = sum(used.dollars for used in whole.usage.values())

@@ -81,19 +81,6 @@ def test_focal_and_background_returns_exactly(played: tuple[ScenarioScores, Path
     assert ((giver < random) & (random < keeper)).any()
 
 
-def test_the_score_of_what_was_played(played: tuple[ScenarioScores, Path]) -> None:
-    found, _ = played
-    visitor = found["visitor"]
-    means = {name: returns.mean() for name, returns in visitor.baselines.items()}
-    assert (visitor.best, found["alone"].best) == ("keeper", "giver")
-    assert visitor.score == pytest.approx(
-        (visitor.focal_returns.mean() - means["random"]) / (means["keeper"] - means["random"])
-    )
-    assert visitor.score is not None
-    assert visitor.score < 0
-    assert found["alone"].score == 1.0
-
-
 def test_the_files_and_a_second_time(played: tuple[ScenarioScores, Path]) -> None:
     """A scenario that was played before, and one that is asked for now, are in one file; another experiment is refused there."""
     found, folder = played

@@ -218,14 +218,3 @@ def test_returns_that_are_not_finite_are_refused() -> None:
         ExperimentError, match="the return of agent 0 in episode 0 of line-up 1 is not finite"
     ):
         play_experiment(experiment, lambda _: None)
-
-
-def test_one_agent_has_no_dilemma() -> None:
-    from tests.trainers.probes import constant
-
-    with pytest.raises(
-        ExperimentError, match="needs at least two agents, and constant has one here"
-    ):
-        schelling_diagram(constant(1.0, num_agents=1), STAY, OTHER)
-    with pytest.raises(ExperimentError, match="at least one episode must be played, not 0"):
-        schelling_diagram(constant(1.0), STAY, OTHER, episodes=0)

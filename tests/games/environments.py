@@ -37,14 +37,6 @@ def stage_of(game: str, *board: Any, **settings: Any) -> Stage:
     return Stage(game, *board, interpreted=BRIEFLY, **settings)
 
 
-@cache
-def on_map(
-    game: str, rows: tuple[str, ...], agents: int, sizes: tuple[tuple[str, int], ...] = ()
-) -> Environment:
-    """Returns a bundled game on a small map with so many agents."""
-    return make(game, num_agents=agents, map=rows, params=dict(sizes))
-
-
 def frame_cells(env: Environment, places: Any) -> np.ndarray:
     """Returns the numbers of (row, col) cells, in the last axis of `places`, as states hold them."""
     places = np.asarray(places)

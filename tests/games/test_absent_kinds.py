@@ -68,24 +68,3 @@ def test_sentences_about_an_absent_kind(rule: str, reward: list[float], tmp_path
     assert list(zip(*(np.asarray(x).tolist() for x in env.cells(state)), strict=True)) == [
         tuple(place) for place in world.position if place
     ]
-
-
-@pytest.mark.parametrize(
-    ("game", "rows"),
-    [
-        ("harvest_open", ("QQ.....", "PPPPPPP")),
-        ("clean_up", ("HHFFHSS", "PPPPPPP")),
-        ("coop_mining", ("PPPP", "PPPP")),
-        ("gift_refinement", ("PPPP", "PPPP")),
-        ("pd_arena", ("......", "PPPPPP")),
-    ],
-)
-@pytest.mark.slow
-def test_bundled_games_on_bare_maps(game: str, rows: tuple[str, ...]) -> None:
-    env = make(game, map=rows)
-    _, state = env.reset(jax.random.key(0))
-    for action in (0, env.num_actions - 1):
-        _, state, reward, *_ = env.step_env(
-            jax.random.key(action), state, jnp.full(env.num_agents, action)
-        )
-        assert not np.asarray(reward).any()

@@ -168,30 +168,21 @@ def test_consuming_pays_one_for_each_token(stage: Stage, bag: Bag, reward: float
 
 
 @pytest.mark.parametrize(
-    ("stage", "reward", "left"),
-    [(DEFAULT, 2, (0, 3, 0)), (RELEASED, 5, (0, 0, 0))],
-    ids=["default", "socialjax"],
+    ("stage", "bag", "reward", "received", "left"),
+    [
+        (DEFAULT, (1, 1, 0), 2, 3, (0, 3, 0)),
+        (RELEASED, (1, 1, 0), 5, 3, (0, 0, 0)),
+        (DEFAULT, (0, 15, 0), 15, 3, (0, 3, 0)),
+        (RELEASED, (0, 15, 0), 15, 0, (0, 0, 0)),
+    ],
 )
-def test_a_gift_that_meets_consumption(stage: Stage, reward: float, left: Bag) -> None:
-    """Consumption first: what arrives stays. Gifts first: it is consumed, too."""
-    scene = in_line(stage, "TT>>TTTT", bags={0: (1, 0, 0), 1: (1, 1, 0)}).step("gift, consume")
-    scene.has({"reward": [0, reward, 0, 0, 0], "event received[cut]": {1: 3}})
+def test_a_gift_that_meets_consumption(
+    stage: Stage, bag: Bag, reward: float, received: int, left: Bag
+) -> None:
+    """Consumption first: it makes room, and what arrives stays. Gifts first: they are consumed, too, or lost where a bag is full."""
+    scene = in_line(stage, "TT>>TTTT", bags={0: (1, 0, 0), 1: bag}).step("gift, consume")
+    scene.has({"reward": [0, reward, 0, 0, 0], "event received[cut]": {1: received}})
     assert bags(scene, 0, 1) == [(0, 0, 0), left]
-
-
-@pytest.mark.parametrize(
-    ("stage", "giver", "left"),
-    [(DEFAULT, 0, (0, 3, 0)), (RELEASED, 0, (0, 0, 0))],
-    ids=["default", "socialjax"],
-)
-def test_consumption_makes_room_only_if_it_comes_first(stage: Stage, giver: int, left: Bag) -> None:
-    """As released it comes after gifts, and a full bag loses the token."""
-    scene = (
-        in_line(stage, "TT>>TTTT", bags={0: (1, 0, 0), 1: (0, 15, 0)})
-        .step("gift, consume")
-        .has({"reward": [0, 15, 0, 0, 0]})
-    )
-    assert bags(scene, 0, 1) == [(giver, 0, 0), left]
 
 
 # Tokens on the ground

@@ -9,17 +9,6 @@ from sjdsl.testing import Stage
 from .chance import assert_share, assert_uniform
 
 RUNS = 300
-FIELD = ("A.......", "........", "QQPPPPPP")
-STAGES = {
-    "coins": ("CCCC", "PCCP"),
-    "clean_up": ("HHHH", "SSSS", "B.PP"),
-    "harvest_open": FIELD,
-    "harvest_closed": FIELD,
-    "harvest_partnership": FIELD,
-    "coop_mining": ("OOOO", "OOPP"),
-    "gift_refinement": ("TTTT", "TTPP"),
-    "mushrooms": ("....", "...."),
-}
 MINE = Stage(
     "coop_mining",
     ("OOOOO", "OOOOO", "PPPPP"),
@@ -29,35 +18,6 @@ MINE = Stage(
     interpreted=True,
 )
 FOREST = Stage("mushrooms", ("........", "........"), 2, variant="meltingpot", interpreted=True)
-
-
-@pytest.mark.thorough
-@pytest.mark.parametrize("game", STAGES)
-def test_an_episode_ends_by_chance_after_whole_intervals(game: str) -> None:
-    """First 99 steps after the least length, as there, and in no step between; it is terminated, not truncated."""
-    stage = Stage(game, STAGES[game], 2, variant="meltingpot", interpreted=True)
-    least = 300 if game == "coins" else 1000
-    start = stage.start()
-
-    def ends(finished: int, seed: int, chance: float) -> bool:
-        start.change(ending=chance)
-        start.seed, start.world.step = seed, finished - 1
-        world = start.world
-        start.step()
-        start.world, done = world, start.terminated
-        assert not start.truncated
-        return done
-
-    for finished, wanted in (
-        (least - 1, False),
-        (least, False),
-        (least + 99, True),
-        (least + 100, False),
-        (least + 399, True),
-    ):
-        assert ends(finished, 0, 1.0) is wanted
-        assert not ends(finished, 0, 0.0)
-    assert_share(sum(ends(least + 99, seed, 0.5) for seed in range(RUNS)), RUNS, 0.5, 0.4)
 
 
 @pytest.mark.thorough

@@ -54,6 +54,11 @@ def in_line(stage: Stage, line: str, **facts: Any) -> Scene:
     )
 
 
+def unlike(stage: Stage, **facts: Any) -> Scene:
+    """Returns a scene in which agent 0, who would cooperate, and agent 1, who would defect, face each other."""
+    return in_line(stage, "..><....", bags={0: (1, 0), 1: (0, 1)}, **facts)
+
+
 def bags(scene: Scene, *agents: int) -> list[Bag]:
     """Returns the coop and defect resources of agents."""
     return [tuple(scene.value("agent.bag")[agent].values()) for agent in agents]
@@ -99,21 +104,13 @@ def test_only_the_next_cell_ahead_is_reached(stage: Stage, line: str) -> None:
 
 
 def test_both_are_sent_off_and_held() -> None:
-    scene = (
-        in_line(DEFAULT, "..><....", bags={0: (1, 0), 1: (0, 1)})
-        .step("interact")
-        .has({"agent.resting": [20, 20, 0, 0]})
-    )
+    scene = unlike(DEFAULT).step("interact").has({"agent.resting": [20, 20, 0, 0]})
     assert sent(scene, 0, 1)
     assert len(set(scene.places())) == 4
 
 
 def test_in_the_released_rules_only_the_target_is() -> None:
-    scene = (
-        in_line(RELEASED, "..><....", bags={0: (1, 0), 1: (0, 1)})
-        .step("interact")
-        .has({"agent.resting": {0: 0}})
-    )
+    scene = unlike(RELEASED).step("interact").has({"agent.resting": {0: 0}})
     assert scene.places()[0] == (2, 2)
     assert sent(scene, 1)
     scene.step("forward").has({"agent.row": {0: 1}})
@@ -123,7 +120,7 @@ def test_in_the_released_rules_only_the_target_is() -> None:
 @pytest.mark.parametrize("rest", [1, 2, 10])
 def test_who_is_held_may_not_act_for_so_many_steps(stage: Stage, rest: int) -> None:
     """Exactly as many as drawn; in the released code one less."""
-    scene = in_line(stage, "..><....", bags={0: (1, 0), 1: (0, 1)}, rest=rest).step("interact")
+    scene = unlike(stage, rest=rest).step("interact")
     place, heading = scene.places()[1], scene.headings()[1]
     for _ in range(rest if stage is DEFAULT else rest - 1):
         scene.has({"allowed interact": {1: False}, "allowed turn_left": {1: False}}).step(
@@ -139,10 +136,8 @@ def test_each_has_a_draw_of_its_own(stage: Stage) -> None:
     """From 10 to 100 steps, both ends included in what is possible."""
     rests = []
     for seed in range(12):
-        scene = in_line(
+        scene = unlike(
             stage,
-            "..><....",
-            bags={0: (1, 0), 1: (0, 1)},
             params={"rest_lo": 10, "rest_hi": 100},
             seed=seed,
         )
@@ -154,33 +149,25 @@ def test_each_has_a_draw_of_its_own(stage: Stage) -> None:
     )
 
 
-def test_only_the_ready_meet() -> None:
-    """Both must hold something: else nothing happens to either."""
-    for mine, theirs in (((0, 0), (0, 1)), ((1, 0), (0, 0)), ((0, 0), (0, 0))):
-        scene = in_line(DEFAULT, "..><....", bags={0: mine, 1: theirs}).step("interact")
+@BOTH
+@pytest.mark.parametrize(("mine", "theirs"), [((0, 0), (0, 1)), ((1, 0), (0, 0)), ((0, 0), (0, 0))])
+def test_only_the_ready_meet(stage: Stage, mine: Bag, theirs: Bag) -> None:
+    """Both must hold something, else nothing happens to either; in the released rules they meet for nothing."""
+    scene = in_line(stage, "..><....", bags={0: mine, 1: theirs}).step("interact")
+    assert scene.places()[0] == (2, 2)
+    if stage is DEFAULT:
         scene.has({"reward": 0, "event met": 0, "agent.resting": 0})
-        assert (scene.places()[:2], bags(scene, 0, 1)) == ([(2, 2), (2, 3)], [mine, theirs])
-
-
-def test_in_the_released_rules_empty_bags_meet_for_nothing() -> None:
-    for mine, theirs in (((0, 0), (0, 1)), ((1, 0), (0, 0)), ((0, 0), (0, 0))):
-        scene = (
-            in_line(RELEASED, "..><....", bags={0: mine, 1: theirs})
-            .step("interact")
-            .has({"reward": 0, "event met": [1, 1, 0, 0]})
-        )
-        assert (scene.places()[0], bags(scene, 0, 1)) == ((2, 2), [(0, 0), (0, 0)])
+        assert (scene.places()[1], bags(scene, 0, 1)) == ((2, 3), [mine, theirs])
+    else:
+        scene.has({"reward": 0, "event met": [1, 1, 0, 0]})
+        assert bags(scene, 0, 1) == [(0, 0), (0, 0)]
         assert sent(scene, 1)
 
 
 def test_who_is_held_is_not_met() -> None:
     """Neither by one who is free, nor does it fire itself."""
     for actions in ("interact, stay", "stay, interact"):
-        scene = (
-            in_line(DEFAULT, "..><....", bags={0: (1, 0), 1: (0, 1)}, held={1: 9})
-            .step(actions)
-            .has({"reward": 0, "event met": 0})
-        )
+        scene = unlike(DEFAULT, held={1: 9}).step(actions).has({"reward": 0, "event met": 0})
         assert (scene.places()[:2], bags(scene, 0, 1)) == ([(2, 2), (2, 3)], [(1, 0), (0, 1)])
         scene.has({"agent.resting": [0, 8, 0, 0]})
 
@@ -193,16 +180,14 @@ def test_in_the_released_rules_who_is_held_is_sent_off_anew() -> None:
     )
     assert (bags(scene, 0, 1), scene.places()[0]) == ([(0, 0), (0, 0)], (2, 2))
     assert sent(scene, 1)
-    in_line(RELEASED, "..><....", bags={0: (1, 0), 1: (0, 1)}, held={1: 5}).step(
-        "stay, interact"
-    ).has({"reward": 0, "event met": 0})
+    unlike(RELEASED, held={1: 5}).step("stay, interact").has({"reward": 0, "event met": 0})
 
 
 # Several at once
 
 
 def test_in_the_released_rules_they_meet_twice() -> None:
-    scene = in_line(RELEASED, "..><....", bags={0: (1, 0), 1: (0, 1)}).step("interact, interact")
+    scene = unlike(RELEASED).step("interact, interact")
     scene.has({"reward": [-2, 10, 0, 0], "event met": [2, 2, 0, 0]})
     assert sent(scene, 0, 1)
 

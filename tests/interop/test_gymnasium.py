@@ -14,10 +14,6 @@ LENGTH = 10
 SHORT = {"params": {"length": LENGTH}}
 
 
-def actions_of(env: VectorGame, step: int) -> np.ndarray:
-    return (3 * step + np.arange(env.num_envs)) % env.env.num_actions
-
-
 def test_slots_and_spaces() -> None:
     env = VectorGame("coins", 3, **SHORT)
     assert env.num_envs == 6
@@ -30,31 +26,6 @@ def test_slots_and_spaces() -> None:
     assert observation in env.observation_space
     assert reward.dtype == np.float64
     assert reward.shape == terminated.shape == truncated.shape == (6,)
-
-
-def test_last_observations_of_episodes() -> None:
-    env = VectorGame("coins", 2, **SHORT)
-    env.reset(seed=1)
-    for step in range(2 * LENGTH):
-        state, key = env._state, env._key
-        observation, _, terminated, truncated, info = env.step(actions_of(env, step))
-        ended = step % LENGTH == LENGTH - 1
-        assert truncated.tolist() == [ended] * 4 and not terminated.any()
-        assert ("final_obs" in info) == ended
-        if ended:
-            assert info["_final_obs"].all() and not info["_own_coins"].any()
-            again = env._jitted_step(
-                key, state, actions_of(env, step).reshape(2, 2).astype(np.int32)
-            )
-            last = np.moveaxis(
-                np.asarray(env._jitted_observe(again[4]["terminal_state"])), 2, -1
-            ).reshape(observation.shape)
-            np.testing.assert_array_equal(np.stack(list(info["final_obs"])), last)
-            assert not np.array_equal(last, observation)
-            np.testing.assert_array_equal(
-                info["final_info"]["own_coins"],
-                np.asarray(again[4]["events"]["own_coins"]).reshape(-1),
-            )
 
 
 @pytest.fixture(scope="module")

@@ -72,27 +72,20 @@ def test_draw_from_a_range(word, number):
     assert run(game, draws=g.Table({(6, 1): word}))[0].agents["score"] == [2, number]
 
 
-@pytest.mark.parametrize(
-    ("word", "drawn"), [(0, "red"), (0x7FFFFFFF, "red"), (0x80000000, "green"), (g.LAST, "green")]
-)
-def test_draw_of_a_fair_word(word, drawn):
-    draw = ir.Draw(name="w", type=COLOUR, words=RG, stream=6)
-    game = small(
-        draw,
-        g.each(g.agents(), set_(g.of_agent("colour", COLOUR), ir.Local(type=COLOUR, name="w"))),
-    )
-    assert run(game, draws=g.Table({(6, 0): word}))[0].agents["colour"] == [drawn] * 2
-
-
-@pytest.mark.parametrize(
-    ("word", "drawn"), [(0, "red"), (0x3FFFFFFF, "red"), (0x40000000, "green"), (g.LAST, "green")]
-)
-def test_draw_of_a_weighted_word(word, drawn):
-    weights = tuple(ir.Number(type=g.REAL, value=w) for w in (0.25, 0.75))
-    draw = ir.Draw(name="w", type=COLOUR, words=RG, weights=weights, stream=6)
+@pytest.mark.parametrize(("weights", "last_of_red"), [((), 0x7FFFFFFF), ((0.25, 0.75), 0x3FFFFFFF)])
+def test_draw_of_a_word(weights, last_of_red):
+    """All words of one range give the first; it is as large as the weight, or half."""
+    given = tuple(ir.Number(type=g.REAL, value=weight) for weight in weights)
+    draw = ir.Draw(name="w", type=COLOUR, words=RG, weights=given, stream=6)
     set_colour = set_(g.of_agent("colour", COLOUR), ir.Local(type=COLOUR, name="w"))
-    game = small(g.each(g.agents(where=g.is_agent(0)), draw, set_colour))
-    assert run(game, draws=g.Table({(6, 0): word}))[0].agents["colour"] == [drawn, "none"]
+    game = small(draw, g.each(g.agents(), set_colour))
+    for word, drawn in (
+        (0, "red"),
+        (last_of_red, "red"),
+        (last_of_red + 1, "green"),
+        (g.LAST, "green"),
+    ):
+        assert run(game, draws=g.Table({(6, 0): word}))[0].agents["colour"] == [drawn] * 2
 
 
 def pick(n, domain, *body, otherwise=()):
@@ -154,37 +147,19 @@ def test_first_happens_once_for_each_lane():
     assert [u.number for u in draws.used if u.stream == 8] == [0, 1]
 
 
-def test_match_takes_pairs_greedily_in_random_order():
-    partner = g.of_agent("friend", ir.AGENT, g.agent("a"))
-    game = small(
-        ir.Match(
-            left=g.agents("a"),
-            right=g.agents("b"),
-            first=False,
-            stream=9,
-            body=(set_(partner, g.agent("b")),),
-        ),
-        agents=4,
-    )
-    words = {(9, 1 * 4 + 2): 100, (9, 2 * 4 + 0): 90, (9, 3 * 4 + 0): 80, (9, 0 * 4 + 3): 70}
-    world, _ = run(game, draws=g.Table(words))
-    assert world.agents["friend"] == [None, 2, None, 0]
+# words of ranks by left and right agent, and each left agent's partner; nobody is paired with itself
+MATCHES = [
+    ({(1, 2): 100, (2, 0): 90, (3, 0): 80, (0, 3): 70}, [None, 2, None, 0]),  # greedily
+    ({(0, 0): g.LAST}, [1, None, 3, None]),  # ties by number
+]
 
 
-def test_match_breaks_ties_by_number_and_pairs_nobody_with_itself():
-    partner = g.of_agent("friend", ir.AGENT, g.agent("a"))
-    game = small(
-        ir.Match(
-            left=g.agents("a"),
-            right=g.agents("b"),
-            first=False,
-            stream=9,
-            body=(set_(partner, g.agent("b")),),
-        ),
-        agents=3,
-    )
-    world, _ = run(game, draws=g.Table({(9, 0): g.LAST}))
-    assert world.agents["friend"] == [1, None, None]
+@pytest.mark.parametrize(("words", "partners"), MATCHES)
+def test_match_takes_pairs_in_random_order(words, partners):
+    body = (set_(g.of_agent("friend", ir.AGENT, g.agent("a")), g.agent("b")),)
+    match = ir.Match(left=g.agents("a"), right=g.agents("b"), first=False, stream=9, body=body)
+    table = g.Table({(9, left * 4 + right): word for (left, right), word in words.items()})
+    assert run(small(match, agents=4), draws=table)[0].agents["friend"] == partners
 
 
 def test_match_with_first_pairs_only_the_nearest():

@@ -94,11 +94,6 @@ class Symmetry:
         )
 
 
-def still(game: ir.Game) -> Symmetry:
-    """Returns the symmetry that changes nothing."""
-    return Symmetry(len(game.rows), len(game.rows[0]), tuple(range(game.agents.number)))
-
-
 def renamed(game: ir.Game, random: Random) -> Symmetry:
     """Returns agents with other numbers, each with another one if there are several."""
     number = game.agents.number

@@ -13,8 +13,7 @@ from tests.laws.corpus import FEW, game_of, random_games
 from tests.laws.obeyed import trials
 from tests.laws.symmetry import Symmetry, turns
 
-CASES = Path(__file__).parents[1] / "cases"
-SENDS = Path(__file__).parents[1] / "differential" / "games"
+TESTS = Path(__file__).parents[1]
 
 
 def mirrored(game: ir.Game, _: Random) -> Symmetry:
@@ -45,26 +44,25 @@ def test_random_programs() -> None:
     assert tried.drawn > 40 * FEW
 
 
-def test_movers() -> None:
-    """Movers that flee, hunt, roll, ride and drift do so to the other side; what they draw among cells beside them turns with the map."""
-    game = build(read_source(SENDS / "movers.sj")).game
-    tried = trials([(name, game) for name in range(2)], any_turn, steps=6, compiled=True)
+PUSHING = ("pushing", "own_destinations", "cells")
+
+
+@pytest.mark.parametrize(
+    ("game", "plays", "steps", "compiled", "least"),
+    [
+        # movers that flee, hunt, roll, ride and drift do so to the other side, and what they draw among cells turns with the map
+        ("differential/games/movers", 2, 6, True, 10),
+        # whom a rule turns or sends with a computed heading; and phases with which an episode begins
+        ("cases/headings", 3, 8, False, 10),
+        # pushes, also where two directions are equally far; destinations that depend on who is sent
+        *((f"differential/games/{name}", 4, 10, False, 20) for name in PUSHING),
+    ],
+)
+def test_what_turns_with_the_map(
+    game: str, plays: int, steps: int, compiled: bool, least: int
+) -> None:
+    game_ = build(read_source(TESTS / f"{game}.sj")).game
+    played = [(number, game_) for number in range(plays)]
+    tried = trials(played, any_turn, steps=steps, compiled=compiled)
     assert not tried.fault
-    assert tried.steps >= 10
-
-
-def test_headings_that_rules_compute() -> None:
-    """Whom a rule turns, or sends with a computed heading, it turns with the map; so do phases with which an episode begins."""
-    game = build(read_source(CASES / "headings.sj")).game
-    tried = trials([(name, game) for name in range(3)], any_turn, steps=8, compiled=False)
-    assert not tried.fault
-    assert tried.steps >= 10
-
-
-@pytest.mark.parametrize("name", ["pushing", "own_destinations", "cells"])
-def test_sends(name: str) -> None:
-    """Pushes turn with the map, also where two directions are equally far; so do destinations that depend on who is sent."""
-    game = build(read_source(SENDS / f"{name}.sj")).game
-    tried = trials([(name, game)] * 4, any_turn, steps=10, compiled=False)
-    assert not tried.fault
-    assert tried.steps >= 20
+    assert tried.steps >= least

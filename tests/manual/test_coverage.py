@@ -89,20 +89,6 @@ def test_every_kind_of_typed_rule_is_in_an_executed_example(folder):
     assert sorted(t.__name__ for t in wanted - found if not t.__subclasses__()) == []
 
 
-def section(title: str) -> str:
-    """Returns the text of a chapter of the manual."""
-    return re.split(r"^## ", text().split(f"\n## {title}\n")[1], maxsplit=1, flags=re.MULTILINE)[0]
-
-
-def table(heading: str) -> list[list[str]]:
-    """Returns the rows of the table whose first row begins with a heading, as texts."""
-    lines = text().split(f"\n| {heading} |")[1].split("\n\n")[0].splitlines()
-    return [
-        [cell.strip(" *") for cell in line.strip("|").split("|")]
-        for line in (f"| {heading} |{lines[0]}", *lines[2:])
-    ]
-
-
 def test_every_link_leads_somewhere():
     headings = re.findall(
         r"^#+ (.*)$",

@@ -72,22 +72,20 @@ def test_both_engines_play_the_same_case(path: Path) -> None:
     assert_engines_agree(family, EpisodeRunner(family, SEED))
 
 
-def test_conserved_is_not_proved_if_trials_begin_differently() -> None:
-    text = TRIALS.read_text(encoding="utf-8")
-    text = text.replace("conserved count", "conserved mood  conserved luck  conserved count")
-    family = GameFamily(Source("trials.sj", text, TRIALS.parent))
-    _, _, _, mood, luck, *_ = family.own.checks
-    assert not is_untouched(mood.values[0], family.own, family.sends_later)
-    assert is_untouched(luck.values[0], family.own, family.sends_later)
-
-
-def test_conserved_is_not_proved_if_phases_at_the_start_write_it() -> None:
-    text = STARTING_PHASES.read_text(encoding="utf-8")
-    text = text.replace("conserved owned + begun", "conserved owned  conserved begun")
-    family = GameFamily(Source("starting.sj", text, STARTING_PHASES.parent))
-    _, owned, begun, *_ = family.own.checks
-    assert not is_untouched(owned.values[0], family.own, family.sends_later)
-    assert is_untouched(begun.values[0], family.own, family.sends_later)
+@pytest.mark.parametrize(
+    ("path", "before", "written", "untouched"),
+    [(TRIALS, "count", "mood", "luck"), (STARTING_PHASES, "owned + begun", "owned", "begun")],
+    ids=["trials", "phases at the start"],
+)
+def test_conserved_is_not_proved_of_what_the_beginning_writes(
+    path: Path, before: str, written: str, untouched: str
+) -> None:
+    text = path.read_text(encoding="utf-8")
+    more = f"conserved {written}  conserved {untouched}  conserved {before}"
+    family = GameFamily(Source(path.name, text.replace(f"conserved {before}", more), path.parent))
+    for name, expected in ((written, False), (untouched, True)):
+        (check,) = (c for c in family.own.checks if family.text_of(c) == f"conserved {name}")
+        assert is_untouched(check.values[0], family.own, family.sends_later) is expected
 
 
 def test_symmetry_tells_which_phase_at_the_start_reads_a_number() -> None:

@@ -194,27 +194,27 @@ def test_what_holds_for_all_numbers_is_proved(check: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("value", "argument", "proved"),
+    ("value", "proved"),
     [
-        ("ramp(pot, low, high)", "pot", ""),
-        ("ramp(pot, least, most)", "pot", "rising"),
-        ("ramp(pot, most, least)", "pot", "falling"),
-        ("ramp(share * pot, 0.5, 0.25)", "pot", "falling"),
-        ("pot / (0 - 2)", "pot", "falling"),
-        ("share / (0 - 0.1) * pot", "pot", "falling"),
-        ("pot / (share - 0.5)", "pot", ""),
-        ("pot / (share - 2)", "pot", "falling"),
-        ("pot * loss", "pot", ""),
-        ("pot * (delta - 6)", "pot", ""),
-        ("pot * (delta - 2)", "pot", "rising"),
-        ("pot * huge * huge", "pot", ""),
-        ("pot * 1000", "pot", "rising"),
-        ("round(pot * 0.5) - round(pot / (0 - 2))", "pot", "rising"),
-        ("round(pot * loss)", "pot", ""),
+        ("ramp(pot, low, high)", ""),
+        ("ramp(pot, least, most)", "rising"),
+        ("ramp(pot, most, least)", "falling"),
+        ("ramp(share * pot, 0.5, 0.25)", "falling"),
+        ("pot / (0 - 2)", "falling"),
+        ("share / (0 - 0.1) * pot", "falling"),
+        ("pot / (share - 0.5)", ""),
+        ("pot / (share - 2)", "falling"),
+        ("pot * loss", ""),
+        ("pot * (delta - 6)", ""),
+        ("pot * (delta - 2)", "rising"),
+        ("pot * huge * huge", ""),
+        ("pot * 1000", "rising"),
+        ("round(pot * 0.5) - round(pot / (0 - 2))", "rising"),
+        ("round(pot * loss)", ""),
     ],
 )
-def test_which_slopes_are_proved(value: str, argument: str, proved: str) -> None:
-    more = f"define value = {value}  define argument = {argument}"
+def test_which_slopes_are_proved(value: str, proved: str) -> None:
+    more = f"define value = {value}  define argument = pot"
     try:
         found = [
             way
@@ -246,59 +246,56 @@ game meet "Meet" {{
   schedule rule
   phase rule {{ {rule} }}
   metrics {{ event met }}
-  checks {{ symmetric {what} }}
+  checks {{ symmetric agents }}
 }}
 """
 PLACED = "each agent { send agent to grass }"
 
 
-def meet(what: str, rule: str, players: str = "3", start: str = PLACED) -> GameFamily:
-    """Returns a game of agents who meet, with one rule, and one symmetry as its check."""
-    return GameFamily(
-        Source("meet.sj", MEET.format(what=what, rule=rule, players=players, start=start), None)
-    )
+def meet(rule: str, players: str = "3", start: str = PLACED) -> GameFamily:
+    """Returns a game of agents who meet, with one rule, and their symmetry as its check."""
+    return GameFamily(Source("meet.sj", MEET.format(rule=rule, players=players, start=start), None))
 
 
 PAIR = "match agent as a with first agent as b in round of a { give 1 to b }"
 
 
 @pytest.mark.parametrize(
-    ("what", "rule", "even"),
+    ("rule", "even"),
     [
-        ("agents", PAIR, True),
-        ("agents", "set purse = gift", False),
-        ("agents", "each agent { give sum(gift) to agent }", False),
-        ("agents", "each agent { give gift[agent] to agent }", False),
-        ("agents", "each agent as a { each agent as b { give gift[b] to a } }", False),
-        ("agents", "each agent { give share[agent.mood] to agent }", True),
-        ("agents", "each agent where agent.index == 0 { give 1 to agent }", False),
+        (PAIR, True),
+        ("set purse = gift", False),
+        ("each agent { give sum(gift) to agent }", False),
+        ("each agent { give gift[agent] to agent }", False),
+        ("each agent as a { each agent as b { give gift[b] to a } }", False),
+        ("each agent { give share[agent.mood] to agent }", True),
+        ("each agent where agent.index == 0 { give 1 to agent }", False),
         (
-            "agents",
             "each agent as a { send a to grass where distance(grass, a) < 2 otherwise stay }",
             False,
         ),
-        ("agents", "each agent { send agent to grass otherwise stay }", True),
+        ("each agent { send agent to grass otherwise stay }", True),
     ],
 )
-def test_which_symmetries_are_proved(what: str, rule: str, even: bool) -> None:
-    assert is_proved(meet(what, rule)) is even
+def test_which_symmetries_are_proved(rule: str, even: bool) -> None:
+    assert is_proved(meet(rule)) is even
 
 
 def test_one_agent_proves_nothing_about_several() -> None:
     assert not is_proved(
-        meet("agents", "each agent where agent.index == 0 { give 1 to agent }", "1 in 1 .. 3")
+        meet("each agent where agent.index == 0 { give 1 to agent }", "1 in 1 .. 3")
     )
 
 
 def test_a_rule_that_reads_a_table_by_agent_fails_with_its_line() -> None:
-    verdict = decide_statically(meet("agents", "each agent { give gift[agent] to agent }"), 0)
+    verdict = decide_statically(meet("each agent { give gift[agent] to agent }"), 0)
     assert verdict is not None
     assert (verdict.passed, verdict.reason) == (False, "line 19 reads `gift`, a table by agent")
 
 
 def test_a_verdict_says_what_it_leaves_out() -> None:
     start = "each agent { send agent to grass facing north }  each agent where agent.index == 0 { set agent.mood = bold }"
-    said = decide_statically(meet("agents", "", start=start), 0)
+    said = decide_statically(meet("", start=start), 0)
     assert said is not None
     assert (
         said.reason
@@ -306,7 +303,6 @@ def test_a_verdict_says_what_it_leaves_out() -> None:
     )
     said = decide_statically(
         meet(
-            "agents",
             "each agent as a { send a to grass where distance(grass, a) < 2 otherwise stay }",
         ),
         0,

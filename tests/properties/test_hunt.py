@@ -139,10 +139,10 @@ FAULTS: dict[str, tuple[Put, Callable[[], GameFamily]]] = {
             SEEN, "each door { set door.open = yes }  each agent { set agent.tall = yes }"
         ),
     ),
-    "a whole table by agent": (without_tables, lambda: meet("agents", "set purse = gift")),
+    "a whole table by agent": (without_tables, lambda: meet("set purse = gift")),
     "a sum of a table by agent and an entry of it": (
         without_tables,
-        lambda: meet("agents", "each agent { give gift[agent] to agent }"),
+        lambda: meet("each agent { give gift[agent] to agent }"),
     ),
     "a ramp whose ends differ": (
         ramp_of_the_file,

@@ -36,20 +36,8 @@ BUSY = {"length": 30, "spawn": 0.3}
 
 def record(path: Path, episodes: int, seed: int) -> list[str]:
     """Returns the call that records so many episodes of Coins in a file."""
-    busy = ["--param", "length=30", "--param", "spawn=0.3"]
-    return [
-        "record",
-        "coins",
-        "--policy",
-        "random",
-        "-o",
-        str(path),
-        "--episodes",
-        str(episodes),
-        "--seed",
-        str(seed),
-        *busy,
-    ]
+    call = f"record coins --policy random -o {path} --episodes {episodes} --seed {seed}"
+    return f"{call} --param length=30 --param spawn=0.3".split()
 
 
 @pytest.fixture(scope="module")
@@ -102,21 +90,7 @@ def test_by_default_the_policies_of_the_file_play_in_turn(tmp_path: Path) -> Non
     """Each agent does what it does where all follow its policy; a game without policies is played at random."""
     path = tmp_path / "coins.npz"
     assert (
-        run(
-            [
-                "record",
-                "coins",
-                "-o",
-                str(path),
-                "--episodes",
-                "1",
-                "--param",
-                "length=12",
-                "--param",
-                "spawn=0.5",
-            ]
-        )
-        == 0
+        run(f"record coins -o {path} --episodes 1 --param length=12 --param spawn=0.5".split()) == 0
     )
     dataset, env = Dataset(path), sjdsl.make("coins", params={"length": 12, "spawn": 0.5})
     assert dataset.header.policy == "file"
@@ -132,12 +106,10 @@ def test_by_default_the_policies_of_the_file_play_in_turn(tmp_path: Path) -> Non
 
 def test_it_is_the_episode_that_play_shows(recorded: Path, tmp_path: Path) -> None:
     """The same seed comes to the same actions there, where the interpreter draws them; with a policy that remembers, too."""
-    game = ["coins", "--param", "length=30", "--param", "spawn=0.3"]
-    assert (
-        run(["play", *game, "--watch", "--seed", "4", "--record", str(tmp_path / "played.json")])
-        == 0
-    )
-    assert load_recording(tmp_path / "played.json") == load_recording(recorded, 1)
+    file = tmp_path / "played.json"
+    watch = f"play coins --param length=30 --param spawn=0.3 --watch --seed 4 --record {file}"
+    assert run(watch.split()) == 0
+    assert load_recording(file) == load_recording(recorded, 1)
     env = sjdsl.make("coins", params={"length": 9})
     turns = MemoryPolicy(
         np.int32(0),
@@ -269,21 +241,7 @@ def test_a_stored_policy_plays_and_is_named(tmp_path: Path) -> None:
         },
     )
     assert (
-        run(
-            [
-                "record",
-                "coins",
-                "--policy",
-                str(stored),
-                "--episodes",
-                "1",
-                "--param",
-                "length=4",
-                "-o",
-                str(path),
-            ]
-        )
-        == 0
+        run(f"record coins --policy {stored} --episodes 1 --param length=4 -o {path}".split()) == 0
     )
     dataset, player, act = Dataset(path), EpisodePlayer(env, 0), load_policy(stored, env)
     key = jax.random.fold_in(jax.random.key(0), 2**32 - 1)

@@ -319,16 +319,6 @@ def test_what_is_nothing_that_a_report_is_made_of(tmp_path: Path) -> None:
     write_json(tmp_path / "other.json", [1])
     with pytest.raises(ResultsError, match="holds no results"):
         read(tmp_path / "other.json")
-    for content, said in (
-        ({"format": 9}, "cannot be read, for `format`"),
-        ({"format": 1}, "cannot be read"),
-    ):
-        write_json(tmp_path / "diagram/schelling.json", content)
-        with pytest.raises(ResultsError, match=said):
-            read(tmp_path / "diagram")
-    write_json(tmp_path / "sweep/sweep.json", {"cells": 1})
-    with pytest.raises(ResultsError, match="cannot be read"):
-        read(tmp_path / "sweep")
 
 
 def test_a_run_in_stages_is_marked(tmp_path: Path) -> None:

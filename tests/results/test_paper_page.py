@@ -15,7 +15,7 @@ from report_folders import (
 )
 
 from bench.paper import __main__ as paper
-from bench.paper.contents import INDIVIDUAL, games_of, under_the_papers_rules
+from bench.paper.contents import under_the_papers_rules
 from bench.paper.speeds import FILES, read_speeds
 
 ROOT = Path(__file__).parents[2]
@@ -54,58 +54,6 @@ def test_ore_in_coop_mining_is_that_of_each_released_configuration() -> None:
         "",
         "spawn_gold=8e-05 spawn_iron=0.0002",
     ]
-
-
-def test_claims_compare_seeds_with_the_same_ore() -> None:
-    """Exchange was released with twice the ore, so its ratios 0 and 1 are the runs of individual and common reward with twice the ore."""
-    twice = "spawn_gold=0.00016 spawn_iron=0.0004"
-    runs = [
-        ("individual", "", 1.0),
-        ("common", "", 2.0),
-        ("exchange", twice, 3.0),
-        ("individual", twice, 4.0),
-    ]
-    columns = {
-        "record": "seed",
-        "game": "coop_mining",
-        "hash": "c0",
-        "variant": "socialjax",
-        "map": "",
-        "num_agents": 6,
-        "status": "done",
-    }
-    columns |= {
-        "tasks": "",
-        "algorithm": "ippo",
-        "sharing": "shared",
-        "steps": 10,
-        "preset": "",
-        "hardware": "",
-        "settings": "{}",
-    }
-    rows = [
-        {
-            **columns,
-            "reward": reward,
-            "params": params,
-            "run": f"{reward} {params}",
-            "exchange_ratio": 0.5,
-            "collective_return": earned,
-        }
-        for reward, params, earned in runs
-    ]
-    game = next(
-        game
-        for game in games_of(under_the_papers_rules(pd.DataFrame(rows)))
-        if game.published == "coop_mining"
-    )
-    assert {ratio: result.values for ratio, result in game.by_ratio.items()} == {
-        0.0: (4.0,),
-        0.5: (3.0,),
-    }
-    result = game.result(INDIVIDUAL)
-    assert result is not None
-    assert result.values == (1.0,)
 
 
 def test_speeds_are_taken_in_and_stand_beside_the_published_ones(tmp_path: Path) -> None:

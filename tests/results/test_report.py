@@ -237,13 +237,6 @@ def test_the_command(
     told = capsys.readouterr()
     assert "out/report.md  3 runs, 5 seeds, 1 table, 1 picture" in told.out
     assert "note: `runs/b` isn't finished" in told.err
-    for arguments, said in (
-        (["nowhere", "-o", "other"], "error: there is no folder or file `nowhere`"),
-        (["runs", "-o", "out"], "error: `out` is not empty; name another place"),
-        (["out/report.md", "-o", "other"], "holds no results"),
-        (["runs", "-o", "runs"], "error: `runs` is not empty"),
-        (["runs", "-o", "no/such/place"], "error: there is no folder `no/such`"),
-    ):
-        assert run(["report", *arguments]) == 1
-        assert said in capsys.readouterr().err
+    assert run(["report", "runs", "-o", "out"]) == 1
+    assert "error: `out` is not empty; name another place" in capsys.readouterr().err
     assert run(["report", "-o", "out"]) == 2

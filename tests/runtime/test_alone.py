@@ -60,16 +60,6 @@ def test_the_compiler_uses_what_needs_no_jax() -> None:
     assert "jax" not in loaded
 
 
-def test_no_compiler_is_loaded_with_it() -> None:
-    loaded = modules_loaded(
-        "from sjdsl.runtime import egocentric_windows, env, policy, returns, tokens", ROOT
-    )
-    assert "sjdsl.runtime.env" in loaded
-    assert not [
-        module for module in loaded if module.startswith(("sjdsl.compiler", "lark", "pydantic"))
-    ]
-
-
 PLAY = """
 import jax
 from sjdsl.runtime.env import Environment

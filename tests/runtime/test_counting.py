@@ -22,7 +22,7 @@ from sjdsl.runtime.counting import (
 )
 from sjdsl.runtime.geometry import near_masks
 from sjdsl.runtime.line_of_sight import reached
-from sjdsl.runtime.rows import entry, mix, one_hot, ramp
+from sjdsl.runtime.rows import entry, mix, one_hot
 
 
 @pytest.mark.parametrize(
@@ -117,19 +117,6 @@ def test_mix() -> None:
     assert found.dtype == jnp.float32
     np.testing.assert_array_equal(found, expected)
     assert np.isfinite(mix(jnp.zeros((1, 2), jnp.int32))).all()
-
-
-def test_ramp() -> None:
-    """0 at the first, 1 at the second, either way round, clipped."""
-    value = jnp.array([0, 0.1, 0.2, 0.4, 0.5, 1], jnp.float32)
-    np.testing.assert_allclose(
-        ramp(value, jnp.float32(0.4), jnp.float32(0)), [1, 0.75, 0.5, 0, 0, 0], atol=1e-7
-    )
-    np.testing.assert_allclose(
-        ramp(value, jnp.float32(0), jnp.float32(0.4)), [0, 0.25, 0.5, 1, 1, 1], atol=1e-7
-    )
-    assert ramp(value, jnp.float32(0.4), jnp.float32(0))[0] == 1
-    assert ramp(value, jnp.float32(0.4), jnp.float32(0))[3] == 0
 
 
 @pytest.mark.parametrize(("dtype", "most"), [(jnp.uint8, 8), (jnp.uint32, 32)])

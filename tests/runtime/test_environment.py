@@ -43,25 +43,7 @@ def assert_same(found: Any, expected: Any) -> None:
         np.testing.assert_array_equal(np.asarray(a), np.asarray(b))
 
 
-def stacked(results: list[Any]) -> Any:
-    return jax.tree.map(
-        lambda *leaves: np.stack(leaves), *results
-    )  # by NumPy, which compiles nothing for each shape
-
-
-def at(tree: Any, index: int) -> Any:
-    return jax.tree.map(lambda leaf: np.asarray(leaf)[index], tree)
-
-
 # What it says about itself
-
-
-def test_description(env: Environment) -> None:
-    assert (env.name, env.num_agents, env.num_actions, env.episode_length) == ("yard", 3, 5, LENGTH)
-    assert env.action_names == ("turn_left", "turn_right", "forward", "stay", "rest")
-    assert env.observation_shape == (3, len(env.token_planes), 4, 4)
-    assert [p.name for p in env.token_planes] == ["content", "agent", "agent.bag"]
-    assert env.observation_dtype == jnp.uint8
 
 
 def test_the_length_is_known_inside_jit(env: Environment, tmp_path: Path) -> None:
@@ -74,15 +56,9 @@ def test_the_length_is_known_inside_jit(env: Environment, tmp_path: Path) -> Non
         assert jax.eval_shape(lambda made=made: jnp.zeros(made.episode_length)).shape == (length,)
 
 
-def test_what_reset_and_step_return(env: Environment) -> None:
-    observation, state = env.reset(jax.random.key(0))
-    assert (observation.shape, observation.dtype) == (env.observation_shape, jnp.uint8)
-    assert int(state.step) == 0
-    observation, state, reward, done, info = env.step(jax.random.key(1), state, random_actions(0))
-    assert (observation.shape, observation.dtype) == (env.observation_shape, jnp.uint8)
-    assert int(state.step) == 1
-    assert (reward.shape, reward.dtype) == ((3,), jnp.float32)
-    assert (done.shape, done.dtype) == ((), jnp.bool_)
+def test_what_a_step_tells(env: Environment) -> None:
+    _, state = env.reset(jax.random.key(0))
+    observation, *_, info = env.step(jax.random.key(1), state, random_actions(0))
     assert set(info) == {
         "truncated",
         "terminated",
@@ -91,17 +67,9 @@ def test_what_reset_and_step_return(env: Environment) -> None:
         "terminal_observation",
         "terminal_state",
     }
-    events = {name: (value.shape, value.dtype) for name, value in info["events"].items()}
-    assert events == {
-        "visits[none]": ((3,), jnp.int32),
-        "visits[ripe]": ((3,), jnp.int32),
-        "rests": ((), jnp.int32),
-    }
-    assert {name: (v.shape, v.dtype) for name, v in info["metrics"].items()} == {
-        "ripe": ((), jnp.float32)
-    }
-    for flag in ("truncated", "terminated"):
-        assert (info[flag].shape, info[flag].dtype) == ((), jnp.bool_)
+    events = {name: value.shape for name, value in info["events"].items()}
+    assert events == {"visits[none]": (3,), "visits[ripe]": (3,), "rests": ()}
+    assert {*info["metrics"]} == {"ripe"}
     assert_same(info["terminal_observation"], observation)
 
 
@@ -155,9 +123,6 @@ def test_old_style_keys_are_typed_keys(env: Environment, seed: int) -> None:
     assert_same(
         env.step(old, state, random_actions(seed)), env.step(typed, state, random_actions(seed))
     )
-
-
-# Transformations
 
 
 # Ends of episodes
@@ -224,33 +189,6 @@ def test_parameters_of_a_call(env: Environment) -> None:
             jax.random.key(1), picked, stay, env.params.replace(regrow=jnp.float32(chance))
         )
         assert after.tree_fruit.tolist() == [1, *[chance] * 4]
-
-
-def test_parameters_of_make() -> None:
-    changed = make(YARD, params={"length": 2, "apple": 3.0})
-    assert changed.episode_length == 2
-    assert float(changed.params.apple) == 3
-    _, state = changed.reset(jax.random.key(0))
-    flags = []
-    for key in keys(0, 5):
-        _, state, _, done, _ = changed.step(key, state, jnp.full(3, STAY))
-        flags.append(bool(done))
-    assert flags == [False, True, False, True, False]
-
-
-def test_vmap_over_parameters(env: Environment) -> None:
-    params = jax.vmap(lambda n, r: env.params.replace(length=n, regrow=r))(
-        jnp.array([1, 6, 3], jnp.int32), jnp.array([0, 0.5, 1], jnp.float32)
-    )
-    state, actions = env.reset(jax.random.key(0))[1].replace(step=jnp.int32(2)), random_actions(8)
-    batch = jax.jit(jax.vmap(env.step, in_axes=(0, None, None, 0)))(
-        keys(1, 3), state, actions, params
-    )
-    assert batch[3].tolist() == [True, False, True]
-    assert_same(
-        batch,
-        stacked([env.step(key, state, actions, at(params, i)) for i, key in enumerate(keys(1, 3))]),
-    )
 
 
 def tree_cell(env: Environment, row: int, col: int) -> int:

@@ -65,20 +65,6 @@ def test_random_moves(agents: int, cases: int) -> None:
     assert_equal_to_reference(position, target, random_words(random, (cases, agents)))
 
 
-@pytest.mark.parametrize("agents", [4, 7])
-def test_random_moves_on_a_grid(agents: int) -> None:
-    """Neighbour cells of a crowded 3 x 3 board, as in a game."""
-    random = np.random.default_rng(40 + agents)
-    cases = 1500
-    position = np.array([random.permutation(9)[:agents] for _ in range(cases)])
-    row, col = position // 3, position % 3
-    heading = random.integers(0, 5, (cases, agents))
-    d_row, d_col = np.array([-1, 0, 1, 0, 0])[heading], np.array([0, 1, 0, -1, 0])[heading]
-    inside = (row + d_row >= 0) & (row + d_row < 3) & (col + d_col >= 0) & (col + d_col < 3)
-    target = np.where(inside, (row + d_row) * 3 + col + d_col, position)
-    assert_equal_to_reference(position + 5, target + 5, random_words(random, (cases, agents)))
-
-
 def test_every_move_of_three_agents_on_four_cells() -> None:
     cases = [
         (p, t, w)
@@ -88,13 +74,6 @@ def test_every_move_of_three_agents_on_four_cells() -> None:
     ]
     position, target, word = (np.array(column) for column in zip(*cases, strict=True))
     assert_equal_to_reference(position, target, word)
-
-
-def test_following() -> None:
-    """A train moves if its head does, and stands if its head does."""
-    assert moved([1, 2, 3, 4], [2, 3, 4, 5]) == [2, 3, 4, 5]
-    assert moved([1, 2, 3, 4], [2, 3, 4, 4]) == [1, 2, 3, 4]
-    assert moved([4, 3, 2, 1], [5, 4, 3, 2]) == [5, 4, 3, 2]
 
 
 @pytest.mark.parametrize("agents", [8, 20, 31, 32, 33])
@@ -107,35 +86,29 @@ def test_a_train_of_all_agents_is_stopped_by_its_head(agents: int) -> None:
     assert moved(line, [c + 1 for c in line]) == [c + 1 for c in line]
 
 
-def test_cycles() -> None:
-    """Three and more go round; two do not change places, and hold up those behind them."""
-    assert moved([1, 2, 3], [2, 3, 1]) == [2, 3, 1]
-    assert moved([1, 2, 3, 4], [2, 3, 4, 1]) == [2, 3, 4, 1]
-    assert moved([1, 2], [2, 1]) == [1, 2]
-    assert moved([1, 2, 3, 4], [2, 1, 2, 3]) == [1, 2, 3, 4]
+# Position, target, words (None: the first has the highest), and where they are then.
+MOVES: dict[str, tuple[list[int], list[int], list[int] | None, list[int]]] = {
+    "a train follows its head": ([1, 2, 3, 4], [2, 3, 4, 5], None, [2, 3, 4, 5]),
+    "and its other end": ([4, 3, 2, 1], [5, 4, 3, 2], None, [5, 4, 3, 2]),
+    "or stands with it": ([1, 2, 3, 4], [2, 3, 4, 4], None, [1, 2, 3, 4]),
+    "three go round": ([1, 2, 3], [2, 3, 1], None, [2, 3, 1]),
+    "four go round": ([1, 2, 3, 4], [2, 3, 4, 1], None, [2, 3, 4, 1]),
+    "two do not change places": ([1, 2], [2, 1], None, [1, 2]),
+    "and hold up those behind": ([1, 2, 3, 4], [2, 1, 2, 3], None, [1, 2, 3, 4]),
+    # agent 2 loses cell 1, so 0 and 1 stay, so 2 cannot enter
+    "a stronger rival breaks a cycle": ([1, 2, 3, 4], [2, 3, 1, 1], [1, 2, 3, 4], [1, 2, 3, 4]),
+    "a weaker one does not": ([1, 2, 3, 4], [2, 3, 1, 1], [1, 2, 4, 3], [2, 3, 1, 4]),
+    "the winner makes room": ([1, 2, 3], [5, 5, 1], [2, 1, 0], [5, 2, 1]),
+    "the loser does not": ([1, 2, 3], [5, 5, 1], [1, 2, 0], [1, 5, 3]),
+    # the winner of a cell that turns out to be taken keeps the others off it, too
+    "losers have no second chance": ([1, 2, 3, 4], [1, 1, 4, 4], [0, 1, 2, 3], [1, 2, 3, 4]),
+    "nor after who stays": ([1, 2, 3], [2, 2, 2], [3, 1, 2], [1, 2, 3]),
+    "who are nowhere stop nobody": ([0, 0, 5, 0, 6], [0, 0, 6, 0, 7], None, [0, 0, 6, 0, 7]),
+}
 
 
-def test_a_cycle_is_broken_by_a_stronger_rival() -> None:
-    assert moved([1, 2, 3, 4], [2, 3, 1, 1], [1, 2, 3, 4]) == [
-        1,
-        2,
-        3,
-        4,
-    ]  # 3 loses cell 1, so 0 and 1 stay, so 3 can not enter
-    assert moved([1, 2, 3, 4], [2, 3, 1, 1], [1, 2, 4, 3]) == [2, 3, 1, 4]
-
-
-def test_a_cell_is_not_entered_when_the_winner_came_from_it() -> None:
-    assert moved([1, 2, 3], [5, 5, 1], [2, 1, 0]) == [5, 2, 1]
-    assert moved([1, 2, 3], [5, 5, 1], [1, 2, 0]) == [1, 5, 3]
-
-
-def test_losers_have_no_second_chance() -> None:
-    """The winner of a cell that turns out to be taken keeps the others off it, too."""
-    assert moved([1, 2, 3, 4], [1, 1, 4, 4], [0, 1, 2, 3]) == [1, 2, 3, 4]
-    assert moved([1, 2, 3], [2, 2, 2], [3, 1, 2]) == [1, 2, 3]
-
-
-def test_agents_who_are_nowhere_stop_nobody() -> None:
-    """Several are at cell 0, with cell 0 as their target."""
-    assert moved([0, 0, 5, 0, 6], [0, 0, 6, 0, 7]) == [0, 0, 6, 0, 7]
+@pytest.mark.parametrize(("position", "target", "word", "after"), MOVES.values(), ids=MOVES)
+def test_moves_by_hand(
+    position: list[int], target: list[int], word: list[int] | None, after: list[int]
+) -> None:
+    assert moved(position, target, word) == after

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from sjdsl.runtime.actions import ANY_HEADING, SAME_HEADING
-from sjdsl.runtime.bits import pack
 from sjdsl.runtime.forms import forced
 from sjdsl.runtime.placing import (
     choose,
@@ -18,7 +17,6 @@ from sjdsl.runtime.placing import (
     pair,
     pair_reached,
     pick,
-    pick_of_large_set,
     pick_of_set,
     pick_of_sets,
     place,
@@ -170,27 +168,6 @@ def test_pick_of_set(dtype: jnp.dtype) -> None:
     number, found = jax.jit(pick_of_set)(jnp.asarray(sets, dtype), word)
     expected, there = jax.jit(pick)(jnp.asarray((sets[:, None] >> np.arange(size)) & 1 != 0), word)
     assert found.tolist() == there.tolist()
-    assert (
-        np.asarray(number)[np.asarray(there)].tolist()
-        == np.asarray(expected)[np.asarray(there)].tolist()
-    )
-
-
-@pytest.mark.usefixtures("form")
-def test_pick_of_large_set() -> None:
-    """A set kept as bits in two words is the same as its members spelt out."""
-    random = np.random.default_rng(64)
-    members = np.concatenate(
-        [
-            random.random((100, 64)) < 0.5,
-            np.eye(64, dtype=bool)[[0, 31, 32, 63]],
-            np.zeros((1, 64), bool),
-        ]
-    )
-    word = jnp.asarray(random.integers(0, 2**32, len(members)), jnp.uint32)
-    number, found = jax.jit(pick_of_large_set)(jax.jit(pack)(jnp.asarray(members)), word)
-    expected, there = jax.jit(pick)(jnp.asarray(members), word)
-    assert found.tolist() == there.tolist() == members.any(axis=1).tolist()
     assert (
         np.asarray(number)[np.asarray(there)].tolist()
         == np.asarray(expected)[np.asarray(there)].tolist()

@@ -22,12 +22,10 @@ from sjdsl.compiler.ir.hash import game_hash
 from sjdsl.compiler.ir.queries import task_space
 from sjdsl.compiler.ir.task_rows import rows_of_hold_out, rows_of_training, tasks_with
 from sjdsl.compiler.syntax.read import read_source
-from sjdsl.interpreter import tasks as interpreted
 from sjdsl.interpreter.board import CACHE_SIZE
 from sjdsl.interpreter.step import task_of_key
 from sjdsl.library.factory import make, with_other_tasks
 from sjdsl.library.tasks import with_tasks
-from sjdsl.runtime.tasks import with_entries
 from tests.fuzz import together
 
 CASE = Path(__file__).parents[1] / "cases" / "splits.sj"
@@ -157,15 +155,6 @@ def test_the_tasks_of_a_side_are_counted() -> None:
     assert share**train_on.candidates <= Fraction(1, 2**64) < share ** (train_on.candidates - 1)
 
 
-def test_the_interpreter_lists_the_same_rows() -> None:
-    task = GAME.task
-    assert task is not None
-    parts = task_rows.all_parts(task)[:6]  # one field, a row of different values, some of another
-    rows = list(interpreted._all_rows(task, parts))
-    assert rows == list(task_rows._all_rows(task, parts))
-    assert len(rows) == len(set(rows)) == 3 * 60 * 9
-
-
 def test_the_interpreter_keeps_no_task_that_was_played_long_ago() -> None:
     game = side("rules")
     task_of_key(game, (17, 1))
@@ -241,12 +230,6 @@ def test_splits_change_no_draw_of_a_game_that_plays_all() -> None:
     assert drawn(plain, 30) == drawn(side("all"), 30)
     assert game_hash(plain) != game_hash(GAME)
     assert {game_hash(side(name)) for name in SIDES} == {game_hash(GAME)}
-
-
-def test_entries_that_are_given_swap_with_those_that_have_the_values() -> None:
-    row = jnp.asarray([4, 2, 0, 3], jnp.uint8)
-    assert with_entries(row, jnp.asarray([2, 1]), (0, 3), different=True).tolist() == [2, 4, 0, 1]
-    assert with_entries(row, jnp.asarray([2, 1]), (0, 3)).tolist() == [2, 2, 0, 1]
 
 
 def test_the_rows_of_a_condition_are_listed_once(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -8,7 +8,9 @@ import pytest
 from tests.statistics.chi_square import assert_independent
 from tests.statistics.many import outcomes
 
-KEYS = ("rollout", pytest.param("counted", marks=pytest.mark.thorough))
+pytestmark = pytest.mark.parametrize(
+    "keys", ["rollout", pytest.param("counted", marks=pytest.mark.thorough)]
+)
 PER_CELL = ("hit", "tabled", "chain", "number", "wide", "colour", "burden", "part")
 COARSER = {"wide": 100, "part": 5}  # so many classes taken as one
 OF_AGENTS = (
@@ -70,14 +72,12 @@ def _expected(counts: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("keys", KEYS)
 def test_of_two_rules(keys: str) -> None:
     found = classes(keys)
     for a, b in PAIRS:
         assert_independent(merged(table(found[a], found[b])), finds=0.06, tests=len(PAIRS))
 
 
-@pytest.mark.parametrize("keys", KEYS)
 @pytest.mark.parametrize("name", PER_CELL)
 def test_of_two_neighbouring_instances(name: str, keys: str) -> None:
     """Two words that lie side by side are made by one call of the generator."""
@@ -87,7 +87,6 @@ def test_of_two_neighbouring_instances(name: str, keys: str) -> None:
         assert_independent(merged(pairs), finds=0.025, tests=2)
 
 
-@pytest.mark.parametrize("keys", KEYS)
 def test_of_two_steps_and_of_two_environments(keys: str) -> None:
     """One after the other, and side by side: their keys are made from one."""
     found = classes(keys)

@@ -8,7 +8,9 @@ import pytest
 from tests.statistics.chi_square import assert_distribution, assert_independent
 from tests.statistics.many import game, outcomes
 
-KEYS = ("rollout", pytest.param("counted", marks=pytest.mark.thorough))
+pytestmark = pytest.mark.parametrize(
+    "keys", ["rollout", pytest.param("counted", marks=pytest.mark.thorough)]
+)
 GATES, DENS = (8, 9, 10, 19, 20, 21), (30, 31, 32, 41, 42, 43)
 # chain: 0.3, half of the rest, a fifth of what is left then; the first is what no branch leaves
 PER_CELL = {
@@ -38,7 +40,10 @@ def ways(found: np.ndarray, possible: list[tuple[int, ...]]) -> np.ndarray:
     return counts
 
 
-@pytest.mark.parametrize("keys", KEYS)
+def one_of(number: int) -> list[tuple[int, ...]]:
+    return [tuple(row) for row in np.eye(number, dtype=int).tolist()]
+
+
 @pytest.mark.parametrize("name", PER_CELL)
 def test_of_each_cell(name: str, keys: str) -> None:
     """A chance, a chain of chances, numbers, words, weighted words."""
@@ -55,7 +60,6 @@ def test_of_each_cell(name: str, keys: str) -> None:
         )
 
 
-@pytest.mark.parametrize("keys", KEYS)
 def test_a_chance_from_a_table(keys: str) -> None:
     found = outcomes(keys)["tabled"]
     for cells, probability in ((~high(), 0.1), (high(), 0.6)):
@@ -64,80 +68,45 @@ def test_a_chance_from_a_table(keys: str) -> None:
         )
 
 
-@pytest.mark.parametrize("keys", KEYS)
 def test_pick(keys: str) -> None:
     """One of seven; three of eight, all 56 ways equally likely; nobody else."""
     one, some = outcomes(keys)["picked"], outcomes(keys)["some"]
     assert not one[..., ~high()].any()
     assert not some[..., high()].any()
-    assert_distribution(
-        ways(one[..., high()], [tuple(row) for row in np.eye(7, dtype=int).tolist()]),
-        None,
-        finds=0.04,
-    )
+    assert_distribution(ways(one[..., high()], one_of(7)), None, finds=0.04)
     threes = [tuple(int(i in three) for i in range(8)) for three in combinations(range(8), 3)]
     assert_distribution(ways(some[..., ~high()], threes), None, finds=0.05)
 
 
-@pytest.mark.parametrize("keys", KEYS)
-def test_ties(keys: str) -> None:
-    """Four agents enter one cell: one of them comes there, each equally often."""
-    came = outcomes(keys)["came"]
-    assert_distribution(
-        ways(came, [tuple(row) for row in np.eye(4, dtype=int).tolist()]), None, finds=0.04
-    )
+# each agent's partner where it is the left one: two pairs of four agents, and in each pair either is left
+PAIRS = {
+    tuple({a: b, c: d}.get(agent, -1) for agent in range(4))
+    for a, b, c, d in permutations(range(4))
+}
+# What comes out: all ways, each equally likely, and the fault that so many draws find.
+EQUAL = {
+    "came": (one_of(4), 0.04),  # four agents enter one cell: one of them comes there
+    "partner": ([*PAIRS], 0.045),
+    "gate": ([*permutations(GATES, 4)], 0.07),  # four are sent to six gates at once
+    "den": ([*permutations(DENS, 2)], 0.05),  # two come back to six dens
+    "den again": ([*permutations(DENS, 2)], 0.05),  # and are sent there again
+    "heading": ([*np.ndindex(4, 4, 4, 4)], 0.07),  # of the four who are sent
+    "returned heading": ([*np.ndindex(4, 4)], 0.07),  # of the two who come back
+    "heading again": ([*np.ndindex(4, 4)], 0.07),
+    "strayed": ([*np.ndindex(4, 4, 4)], 0.05),  # three movers have four open cells each
+    "pushed": (one_of(2), 0.035),  # two are sent by one cell to the same place: one comes there
+}
 
 
-@pytest.mark.parametrize("keys", KEYS)
-def test_match(keys: str) -> None:
-    """Four agents make two pairs, in three ways, and in each pair either is the left one."""
-    pairs = []
-    for partner_of_0 in (1, 2, 3):
-        others = [agent for agent in (1, 2, 3) if agent != partner_of_0]
-        for a, b in ((0, partner_of_0), (partner_of_0, 0)):
-            for c, d in (others, others[::-1]):
-                pairs.append(tuple({a: b, c: d}.get(agent, -1) for agent in range(4)))
-    assert_distribution(ways(outcomes(keys)["partner"], pairs), None, finds=0.045)
+@pytest.mark.parametrize("name", EQUAL)
+def test_all_ways_are_equally_likely(name: str, keys: str) -> None:
+    possible, finds = EQUAL[name]
+    assert_distribution(ways(outcomes(keys)[name], possible), None, finds=finds)
 
 
-@pytest.mark.parametrize("keys", KEYS)
-def test_places(keys: str) -> None:
-    """Four are sent to six gates at once, in 360 ways; two come back to six dens, in 30, and are sent there again."""
-    assert_distribution(
-        ways(outcomes(keys)["gate"], list(permutations(GATES, 4))), None, finds=0.07
-    )
-    for name in ("den", "den again"):
-        assert_distribution(
-            ways(outcomes(keys)[name], list(permutations(DENS, 2))), None, finds=0.05
-        )
-
-
-@pytest.mark.parametrize("keys", KEYS)
-def test_headings(keys: str) -> None:
-    """Of the four who are sent, in 256 ways; of the two who come back, in 16."""
-    for name, agents in (("heading", 4), ("returned heading", 2), ("heading again", 2)):
-        possible = [tuple(way) for way in np.ndindex(*(4,) * agents)]
-        assert_distribution(ways(outcomes(keys)[name], possible), None, finds=0.07)
-
-
-@pytest.mark.parametrize("keys", KEYS)
 def test_lots(keys: str) -> None:
     """Four would write each of six fields, one of them does: each equally often, in every cell."""
     taker = outcomes(keys)["taker"]
     assert_distribution(np.bincount(taker.reshape(-1), minlength=4), (1 / 4,) * 4, finds=0.02)
     cells = taker.reshape(-1, taker.shape[-1]).T
     assert_independent(np.stack([np.bincount(cell, minlength=4) for cell in cells]), finds=0.02)
-
-
-@pytest.mark.parametrize("keys", KEYS)
-def test_movers_at_random(keys: str) -> None:
-    """Three movers with four open cells each: 64 ways."""
-    assert_distribution(
-        ways(outcomes(keys)["strayed"], list(np.ndindex(4, 4, 4))), None, finds=0.05
-    )
-
-
-@pytest.mark.parametrize("keys", KEYS)
-def test_sent_to_one_cell(keys: str) -> None:
-    """Two are sent by one cell to the same place: one of them comes there, each equally often."""
-    assert_distribution(ways(outcomes(keys)["pushed"], [(1, 0), (0, 1)]), None, finds=0.035)

@@ -13,31 +13,11 @@ import pytest
 
 from tests.sweeps.described import GAME
 
-SMALL = (
-    "num_envs=4",
-    "num_steps=4",
-    "num_minibatches=1",
-    "num_epochs=1",
-    "network=mlp",
-    "network_width=4",
-)
-SETS = [
-    part
-    for text in (*SMALL, "total_timesteps=4800", "checkpoint_updates=20")
-    for part in ("--set", text)
-]
-ARGUMENTS = [
-    "sweep",
-    GAME,
-    "--axis",
-    "reward=individual,common,exchange",
-    *SETS,
-    "--seeds",
-    "2",
-    "--episodes",
-    "4",
-    "--run",
-]
+SMALL = "num_envs=4 num_steps=4 num_minibatches=1 num_epochs=1 network=mlp network_width=4"
+LONG = "total_timesteps=4800 checkpoint_updates=20"
+SETS = " ".join(f"--set {text}" for text in f"{SMALL} {LONG}".split())
+AXIS = "--axis reward=individual,common,exchange"
+ARGUMENTS = f"sweep {GAME} {AXIS} {SETS} --seeds 2 --episodes 4 --run".split()
 CELLS = [f"matrix_game_reward-{reward}" for reward in ("individual", "common", "exchange")]
 PATIENCE = 400.0
 

@@ -12,7 +12,6 @@ from sjdsl.testing import Scene, Stage
 from sjdsl.testing.differences import outcome_differences, state_differences
 
 GAME = Path(__file__).parent / "camp.sj"
-ROWS = ("PPP..#", "..TT..", "......")
 STAGE = Stage(GAME, looks={"b": "tree fruit=none bare=2", "o": "tree owner=1"})
 
 

@@ -69,12 +69,6 @@ def test_intervals_are_students() -> None:
     assert estimate(np.array([1.0])).high == np.inf
 
 
-def test_equality() -> None:
-    returns = np.array([[2.0, 2.0], [4.0, 0.0], [3.0, 1.0], [0.0, 0.0], [5.0, -1.0]])
-    evaluation = Evaluation(returns, np.ones(5), {}, {}, {})
-    np.testing.assert_allclose(evaluation.equalities, [1.0, 0.5, 0.75, np.nan, np.nan])
-
-
 def test_what_is_not_defined_is_null(tmp_path: Path) -> None:
     """In an episode, and in the mean over episodes of which one has it not."""
     returns = np.array([[3.0, 1.0], [5.0, -1.0]])

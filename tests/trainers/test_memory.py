@@ -22,19 +22,6 @@ def test_what_does_not_fit_is_refused(tmp_path: Path, monkeypatch: pytest.Monkey
     assert not (tmp_path / "run" / "metrics.jsonl").exists()
 
 
-@pytest.mark.slow
-def test_more_environments_need_more() -> None:
-    """What is compared is XLA's account of the program: a hundred times the environments, a hundred times their observations."""
-    from sjdsl.trainers import make_train
-
-    def megabytes(num_envs: int) -> float:
-        config = SHORT.model_copy(update={"num_envs": num_envs})
-        return compiled.compile_train(make_train(matching(), config), config).megabytes
-
-    few, many = megabytes(800), megabytes(80_000)
-    assert 50 * few < many < 120 * few
-
-
 def test_a_device_without_room_is_told_of(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """What the device refuses while it runs, though it was thought to fit."""
     import jax

@@ -245,14 +245,6 @@ def test_an_arm_that_paid_is_pulled_again() -> None:
     assert blind["agent_return"][-10:].mean() == pytest.approx(2.5, abs=0.15)
 
 
-@pytest.mark.slow
-def test_a_central_critic_learns_to_pull_it_too() -> None:
-    _, metrics = learn(
-        bandit(), memory="gru", memory_reads=("action", "reward"), sharing="per_agent", **CENTRAL
-    )
-    assert metrics["agent_return"][-10:].mean() > 4.2
-
-
 @pytest.mark.thorough
 def test_a_stopped_run_and_a_stored_policy_go_on_as_they_were(tmp_path: Path) -> None:
     config = quick(

@@ -167,24 +167,6 @@ def test_a_policy_with_memory_starts_each_episode_afresh() -> None:
     assert 0 < returns.mean() < 1
 
 
-def test_a_flipped_byte_of_a_tensor_is_noticed(tmp_path: Path) -> None:
-    """Wherever it is: safetensors themselves look at the header alone."""
-    path = _store(tmp_path, fill=0.5)
-    content = path.read_bytes()
-    start = 8 + int.from_bytes(content[:8], "little")
-    for place in range(start, len(content), max(1, (len(content) - start) // 7)):
-        flipped = bytearray(content)
-        flipped[place] ^= 1
-        path.write_bytes(flipped)
-        with pytest.raises(
-            PolicyError,
-            match=r"best\.safetensors is damaged: its tensors aren't those that were written",
-        ):
-            load_policy(path, matching())
-    path.write_bytes(content)
-    load_policy(path, matching())
-
-
 @pytest.mark.parametrize("number", [np.nan, np.inf])
 def test_numbers_that_are_not_finite_are_refused(tmp_path: Path, number: float) -> None:
     path = _store(tmp_path, fill=number)

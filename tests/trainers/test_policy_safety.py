@@ -257,12 +257,15 @@ def test_no_byte_of_the_description_can_change(tmp_path: Path) -> None:
         read(path)
 
 
+TENSORS = r"last\.safetensors (cannot be read|is damaged: its tensors aren't those)|it has no digests|it does not fit|last\.json is damaged"
+
+
 def test_no_byte_of_the_tensors_can_change(tmp_path: Path) -> None:
     path = store(tmp_path)
     whole = path.read_bytes()
     for damaged in flips(whole):
         path.write_bytes(damaged)
-        with pytest.raises(PolicyError, match=r"."):
+        with pytest.raises(PolicyError, match=TENSORS):
             read(path)
 
 

@@ -193,25 +193,31 @@ def test_an_interrupted_run_keeps_what_it_has(
     assert _updates_of(tmp_path / "run", "last") == 3.0
 
 
+@pytest.mark.parametrize(
+    ("changes", "folders", "named"),
+    [({"seed": 0}, [""], "seed 0"), ({"seeds": 2}, ["seed_5", "seed_6"], "seeds 5 and 6")],
+)
 def test_a_diverged_run_stops_with_its_last_good_parameters(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    changes: dict[str, int],
+    folders: list[str],
+    named: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(run, "make_train", lambda *_: counting(diverges_after=9))
-    with pytest.raises(
-        RunError,
-        match=r"the loss became nan in update 10 of seed 0; the policy of update 9 is kept.*smaller learning_rate",
-    ):
-        train(matching(), CONFIG.model_copy(update={"seed": 0}), tmp_path / "run", "none")
-    assert str(read_manifest(tmp_path / "run")["status"]).startswith("failed: the loss became nan")
-    assert [row["loss"] for row in read_lines(tmp_path / "run" / "metrics.jsonl")] == [1.0] * 9 + [
-        None
-    ]
-    assert _updates_of(tmp_path / "run", "last") == 9.0
-    assert _updates_of(tmp_path / "run", "00000009") == 9.0
-    assert _updates_of(tmp_path / "run", "00000008") == 8.0
-    assert [path.name for path in (tmp_path / "run" / "checkpoints").iterdir()] == [
-        "8.safetensors"
-    ], "what diverged is not gone on from"
+    """With several seeds, as the last of them diverges."""
+    program = counting(diverges_after=9, seed_that_diverges=None)
+    monkeypatch.setattr(run, "make_train", lambda *_: program)
+    said = f"the loss became nan in update 10 of {named}; the policy of update 9 is kept.*smaller learning_rate"
+    with pytest.raises(RunError, match=said):
+        train(matching(), CONFIG.model_copy(update=changes), tmp_path, "none")
+    assert str(read_manifest(tmp_path)["status"]).startswith("failed: the loss became nan")
+    for folder in (tmp_path / name for name in folders):
+        rows = read_lines(folder / "metrics.jsonl")
+        assert [row["loss"] for row in rows] == [1.0] * 9 + [None]
+        for name, updates in (("last", 9.0), ("00000009", 9.0), ("00000008", 8.0)):
+            assert _updates_of(folder, name) == updates
+    kept = [path.name for path in (tmp_path / "checkpoints").iterdir()]
+    assert kept == ["8.safetensors"], "what diverged is not gone on from"
 
 
 @pytest.mark.thorough
@@ -257,25 +263,6 @@ def test_one_seed_of_several_that_diverges_stops_alone(
     again = resume(matching(), run_dir, "none")
     assert again.diverged == {6: 10}
     assert len(read_lines(run_dir / "seed_6" / "metrics.jsonl")) == 10
-
-
-def test_several_seeds_that_all_diverge(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The run stops as the last of them does, and names them all."""
-    monkeypatch.setattr(
-        run, "make_train", lambda *_: counting(diverges_after=9, seed_that_diverges=None)
-    )
-    run_dir = tmp_path / "run"
-    with pytest.raises(
-        RunError,
-        match=r"in update 10 of seeds 5 and 6; the policy of update 9 is kept. Try a smaller learning_rate",
-    ):
-        train(matching(), CONFIG.model_copy(update={"seeds": 2}), run_dir, "none")
-    assert str(read_manifest(run_dir)["status"]).startswith("failed: the loss became nan")
-    for seed in ("seed_5", "seed_6"):
-        assert [row["loss"] for row in read_lines(run_dir / seed / "metrics.jsonl")] == [
-            1.0
-        ] * 9 + [None]
-        assert _updates_of(run_dir / seed, "last") == 9.0
 
 
 def _show_three_updates(style: ProgressStyle) -> None:
