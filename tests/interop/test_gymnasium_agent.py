@@ -106,6 +106,7 @@ def test_others_may_be_a_stored_policy(tmp_path: Path) -> None:
             "config": config.model_dump(mode="json"),
             "update": 0,
             "env_steps": 0,
+            "seed": 0,
         },
     )
     env = AgentGame("coins", others=tmp_path / "run", **SHORT)

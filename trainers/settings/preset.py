@@ -206,18 +206,15 @@ def _resolve(
     return Preset(game, environment, config, left_out, frozenset(unread))
 
 
-def _names_in(stage: Mapping[str, Any]) -> Iterator[str]:
-    """Yields what a stage sets: keys of the configuration and environment, and `param.X`."""
-    environment = stage.get("environment", {})
-    yield from environment.keys() - {"params"}
-    yield from (f"param.{name}" for name in environment.get("params", {}))
-    tables = [stage.get("config", {}), *stage.get("reward", {}).values()]
-    for of_algorithm in stage.get("algorithm", {}).values():
-        tables += [of_algorithm, *_reward_tables(of_algorithm).values()]
-    for table in tables:
-        yield from (
-            name for name, value in flatten_own(table).items() if not isinstance(value, dict)
-        )
+def _names_in(tables: Mapping[str, Any]) -> Iterator[str]:
+    """Yields what the tables of a stage set: arguments of the environment, `param.X` and settings."""
+    for name, value in flatten_own(tables).items():
+        if name == "params":
+            yield from (f"param.{param}" for param in value)
+        elif isinstance(value, dict) and name != "tasks":
+            yield from _names_in(value)
+        else:
+            yield name
 
 
 def _read_content(name: str | Path, extended_by: tuple[str | Path, ...] = ()) -> dict[str, Any]:
