@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, Protocol, cast
+from typing import Any, Protocol
 
 import flax
 import jax
@@ -15,7 +15,7 @@ from sjdsl.runtime.policy import take_actions
 from sjdsl.runtime.returns import collective_return, equality
 
 from ..algorithms.episodes import EpisodeSums, add_step, zero_sums
-from ..environment import Environment, MaskedEnvironment, trial_ended, where_env
+from ..environment import Environment, trial_ended, where_env
 from ..json_files import write_json
 from .estimates import Estimate, estimate
 from .loading import MemoryPolicy, Policy, with_memory
@@ -160,7 +160,13 @@ def make_host_evaluator(
     ) -> tuple[_Episodes, tuple[Array, Array, Array, Array]]:
         return _advance(env, with_memory(policy_of(parameters)), key, episodes, chosen)
 
-    allowed_in = jax.jit(jax.vmap(cast(MaskedEnvironment, env).allowed_actions))
+    @jax.jit
+    def allowed_in(state: Any) -> Array:
+        """Returns which actions each agent may take, `[E, N, A]` bool."""
+        if hasattr(env, "allowed_actions"):
+            allowed: Array = jax.vmap(env.allowed_actions)(state)
+            return allowed
+        return jnp.ones((num_episodes, env.num_agents, env.num_actions), bool)
 
     def evaluate_parameters(
         key: Array, parameters: Any, chooser: Chooser

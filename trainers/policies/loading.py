@@ -87,10 +87,7 @@ def find_policy(
     if path.exists() or path.suffix == ".safetensors":
         return load_policy(path, env, greedy, which)
     if is_own("policy", name):
-        try:
-            users: Policy = find("policy", name)
-        except ConfigError as error:
-            raise PolicyError(str(error)) from None
+        users: Policy = find("policy", name)  # there is one, or `refuse_host` would have raised
         _check_arguments(name, users)
         return users
     raise PolicyError(unknown_policy(name, tuple(declared)))

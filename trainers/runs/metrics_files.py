@@ -30,10 +30,9 @@ ROWS: dict[str, TypeAdapter[Row]] = {
     EVALUATIONS: TypeAdapter(dict[str, Figure | dict[str, Figure]]),
 }
 # of each row
-COLUMNS = {
-    METRICS_JSONL: {"update", "env_steps", "seconds", "episodes"},
-    EVALUATIONS: {"update", "collective return"},
-}
+COLUMNS = {METRICS_JSONL: {"env_steps"}, EVALUATIONS: {"update", "collective return"}}
+# further columns of the metrics, without which a run isn't resumed
+OF_A_RUN = {"update", "seconds", "episodes"}
 
 
 def cut_metrics(folder: Path, done: int, evaluate_every: int = 0) -> Iterator[Row]:
@@ -52,6 +51,8 @@ def cut_metrics(folder: Path, done: int, evaluate_every: int = 0) -> Iterator[Ro
     size = 0
     last: Row = {"update": 0}
     for line, row in _lines_of(metrics, range(1, done + 1)):
+        if not row.keys() >= OF_A_RUN:
+            break
         size += len(line)
         last = known_row(row)
         yield last
@@ -85,7 +86,7 @@ def _lines_of(path: Path, updates: Iterable[int]) -> Iterator[tuple[bytes, Row]]
     What follows the last may be anything.
     """
     for update, (line, row) in zip(updates, _whole_lines(path), strict=False):
-        if row["update"] != update:
+        if row.get("update") != update:
             return
         yield line, row
 

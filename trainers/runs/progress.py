@@ -52,7 +52,7 @@ def show_progress(
         """Shows warnings at once; moves the bar, or prints a line if it is time for one."""
         nonlocal printed, outcome
         for warning in warnings:
-            console.out(f"warning: {warning}", highlight=False)
+            print(f"warning: {warning}", flush=True)
         outcome = _outcome(row) or outcome
         update = row["update"]
         left = row["seconds"] / update * (num_updates - update)
@@ -69,13 +69,13 @@ def show_progress(
             below.plain = line
         elif now - printed >= SECONDS_BETWEEN_LINES or update in (1, num_updates):
             printed = now
-            console.out(line, highlight=False)
+            print(line, flush=True)
 
     if style == "none":
         yield lambda *_: None
         return
     if not has_bar:
-        console.out(f"{title}: {COMPILING}", highlight=False)
+        print(f"{title}: {COMPILING}", flush=True)
     with Live(Group(bar, below), console=console) if has_bar else nullcontext():
         yield show
 
