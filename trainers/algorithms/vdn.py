@@ -169,15 +169,16 @@ def _entry_shapes(env: Environment, packing: Packing, masks: bool) -> Transition
     """Returns the shapes and dtypes of a transition. `masks`: whether actions may be forbidden."""
     observation, state = reset_shapes(env)
     packed = jax.eval_shape(packing.pack, observation)
+    placeholder: Any = jax.ShapeDtypeStruct
     allowed = None
     if masks:
         allowed = jax.eval_shape(cast(MaskedEnvironment, env).allowed_actions, state)
     return Transition(
         observation=packed,
-        action=jax.ShapeDtypeStruct((env.num_agents,), jnp.int32),
-        reward=jax.ShapeDtypeStruct((), jnp.float32),
+        action=placeholder((env.num_agents,), jnp.int32),
+        reward=placeholder((), jnp.float32),
         following=packed,
-        ended=jax.ShapeDtypeStruct((), jnp.bool_),
+        ended=placeholder((), jnp.bool_),
         allowed=allowed,
     )
 
