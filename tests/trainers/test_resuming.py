@@ -82,7 +82,7 @@ def test_a_run_goes_on_from_every_moment(tmp_path: Path, evaluate_every: int) ->
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(os, "replace", copy_around(os.replace))
-        patch.setattr(metrics_files.Metrics, "append", copy_around(metrics_files.Metrics.append))
+        patch.setattr(recorder, "append_line", copy_around(metrics_files.append_line))
         patch.setattr(Checkpoints, "save", copy_around(Checkpoints.save))
         patch.setattr(Recorder, "evaluate", copy_around(Recorder.evaluate))
         train(matching(), config, run_dir, "none")
