@@ -328,9 +328,9 @@ def test_a_run_starts_from_a_policy_and_keeps_a_copy(
         match=r"can't start from .*last\.safetensors, whose networks differ: .*network_width = 16 there and 8 here",
     ):
         make_train(matching(), make_config(alike | {"init_from": str(source), "network_width": 8}))
-    with pytest.raises(ConfigError, match="normalise_values = True there and False here"):
+    with pytest.raises(ConfigError, match="normalise_values = False there and True here"):
         make_train(
-            matching(), make_config(alike | {"init_from": str(source), "normalise_values": False})
+            matching(), make_config(alike | {"init_from": str(source), "normalise_values": True})
         )
     with pytest.raises(PolicyError, match="random is not the folder of a training run"):
         make_train(matching(), make_config(alike | {"init_from": "random"}))
