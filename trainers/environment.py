@@ -99,7 +99,7 @@ def reset_shapes(env: Environment) -> tuple[Any, Any]:
 
 def info_shapes(env: Environment) -> dict[str, Any]:
     """Returns the shapes and dtypes of a step's info."""
-    actions = array_shape((env.num_agents,), jnp.int32)
+    actions = jax.ShapeDtypeStruct((env.num_agents,), jnp.int32)
     _, state = reset_shapes(env)
     info: dict[str, Any]
     _, _, _, _, info = jax.eval_shape(env.step, abstract_key(), state, actions)
@@ -112,11 +112,6 @@ def trial_ended(info: Mapping[str, Any]) -> Array:
     return result
 
 
-def array_shape(shape: tuple[int, ...], dtype: Any) -> Any:
-    """Returns a placeholder for an array of which only shape and dtype matter."""
-    return jax.ShapeDtypeStruct(shape, dtype)
-
-
 def abstract_key() -> Any:
     """Returns the shape and dtype of a typed key."""
     return jax.eval_shape(lambda: jax.random.key(0))
@@ -126,6 +121,6 @@ def where_env(chosen: Array, new: Any, old: Any) -> Any:
     """Returns the leaves `[B, ...]` of `new` for environments `[B]` that are chosen, else `old`."""
 
     def of_leaf(new: Array, old: Array) -> Array:
-        return jnp.where(chosen.reshape(-1, *[1] * (new.ndim - 1)), new, old)
+        return jnp.where(chosen.reshape(*chosen.shape, *[1] * (new.ndim - chosen.ndim)), new, old)
 
     return jax.tree.map(of_leaf, new, old)

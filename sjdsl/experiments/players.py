@@ -24,7 +24,6 @@ from sjdsl.runtime.policy import Policy, take_actions, unchanged, with_memory
 from sjdsl.trainers.environment import (
     Environment,
     abstract_key,
-    array_shape,
     info_shapes,
     reset_shapes,
 )
@@ -135,7 +134,7 @@ def find_pool(policy: str | Path | Policy, env: Environment) -> Pool:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             parameters, description = read_parameters(file, env)
-        _require_same_game(file, description.game, env)
+        _require_same_game(file, description.game.model_dump(), env)
         for warning in caught:
             text = str(warning.message).replace(str(file), str(path))
             seed_warnings.append((description.seed, text))
@@ -199,8 +198,8 @@ def _require_same_game(file: Path, trained_on: Mapping[str, Any], env: Environme
         ("action_names", "other actions"),
         ("observation_shape", "other observations"),
     ):
-        if trained_on.get(key) != game[key]:
-            there = _as_text(trained_on.get(key))
+        if trained_on[key] != game[key]:
+            there = _as_text(trained_on[key])
             here = _as_text(game[key])
             raise ExperimentError(f"{file} was trained on {difference}: {there} there, {here} here")
 
@@ -223,8 +222,8 @@ def program_digest(policy: Policy, env: Environment) -> str:
 
     program = jax.jit(act).lower(recurrent.start, abstract_key(), *reset_shapes(env)).as_text()
     if recurrent.after_step is not unchanged:
-        actions = array_shape((env.num_agents,), jnp.int32)
-        reward = array_shape((env.num_agents,), jnp.float32)
+        actions = jax.ShapeDtypeStruct((env.num_agents,), jnp.int32)
+        reward = jax.ShapeDtypeStruct((env.num_agents,), jnp.float32)
         of_step = (actions, reward, info_shapes(env))
         program += jax.jit(recurrent.after_step).lower(recurrent.start, *of_step).as_text()
     leaves = enumerate(jax.tree.leaves(recurrent.start))

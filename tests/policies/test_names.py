@@ -38,8 +38,10 @@ def expected(env: Environment, state: object) -> list[int]:
 def test_partners_of_a_run(env: Environment) -> None:
     partners = make_partners(env, make_config(partners={1: "eater"}))
     observation, states = jax.jit(jax.vmap(env.reset))(jax.random.split(jax.random.key(0), 3))
-    act = jax.jit(lambda *seen: partners.act(env, partners.start(3), *seen))
-    _, actions = act(jax.random.key(1), observation, states, jnp.ones(3, bool))
+    memory = partners.policy.starts(3)
+    act = jax.jit(lambda *seen: partners.act(env, memory, *seen))
+    nothing = jnp.zeros((3, env.num_agents), jnp.int32)
+    _, actions = act(jax.random.key(1), observation, states, jnp.ones(3, bool), nothing)
     for number in range(3):
         assert (
             actions[number, 1]

@@ -238,6 +238,7 @@ def test_a_stored_policy_plays_and_is_named(tmp_path: Path) -> None:
             "config": config.model_dump(mode="json"),
             "update": 0,
             "env_steps": 0,
+            "seed": 0,
         },
     )
     assert (

@@ -24,7 +24,7 @@ from sjdsl.trainers.runs.metrics_files import (
     METRICS_JSONL,
     append_line,
     cut_metrics,
-    open_metrics,
+    to_disk,
 )
 from sjdsl.trainers.runs.run_lock import LOCK, locked
 
@@ -203,14 +203,15 @@ def test_what_is_changed_in_place_is_no_link(what: str, tmp_path: Path) -> None:
     link.symlink_to(victim)
     changes: dict[str, Callable[[], object]] = {
         "run": lambda: locked(link.parent).__enter__(),
-        "evaluations": lambda: append_line(link, {"update": 3}),
+        "metrics": lambda: append_line(link, {"update": 3}),
+        "evaluations": lambda: to_disk(link),
         "cut": lambda: list(cut_metrics(link.parent, 1)),
         "cell": lambda: take_lock(link.parents[1], "cell"),
     }
     with pytest.raises(
         OSError, match=r"it is a link, through which nothing is written|symbolic link"
     ):
-        changes.get(what, lambda: open_metrics(link.parent).__enter__())()
+        changes[what]()
     assert victim.read_text() == theirs
 
 

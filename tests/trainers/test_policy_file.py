@@ -122,7 +122,7 @@ def test_what_does_not_fit_is_refused(tmp_path: Path) -> None:
         pytest.warns(UserWarning, match="another form of the game"),
         pytest.raises(
             PolicyError,
-            match="on matching probe, whose windows have the same size but show other things than those of matching changed",
+            match=r"with 2 actions .*; here are 2 actions .* If these are equal, windows show other things",
         ),
     ):
         load_policy(path, others)

@@ -63,7 +63,7 @@ def test_a_preset_may_choose_tasks(tmp_path: Path) -> None:
         ),
         (
             '[games.coins.environment]\nnum_agents = "3"\n',
-            r"mine\.toml: games\.coins: environment: `num_agents` must be a whole number, not '3'",
+            r"mine\.toml: games\.coins\.environment: `num_agents` must be a whole number, not '3'",
         ),
         ("[environment]\ntasks = 3\n", r"environment: `tasks` must be text or a table, not 3"),
         ("[algorithm]\nippo = 3\n", r"mine\.toml: algorithm: `ippo` must be a table, not 3"),
@@ -77,7 +77,7 @@ def test_a_preset_may_choose_tasks(tmp_path: Path) -> None:
         ),
         (
             "[games.coins.reward.svoo]\nseed = 3\n",
-            r"mine\.toml: games\.coins: reward: unknown key `svoo`",
+            r"mine\.toml: games\.coins\.reward: unknown key `svoo`",
         ),
         (
             "[algorithm.ippo.reward.comon]\nseed = 3\n",

@@ -9,7 +9,7 @@ import signal
 import warnings
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import jax
 import pytest
@@ -24,9 +24,10 @@ from run_outcomes import (
     read_manifest,
 )
 
+from sjdsl.files import open_in_place
 from sjdsl.termination import Terminated
 from sjdsl.trainers import RunError, resume, train
-from sjdsl.trainers.runs import metrics_files, run
+from sjdsl.trainers.runs import metrics_files, recorder, run
 from sjdsl.trainers.runs.checkpoints import Checkpoints
 from sjdsl.trainers.runs.recorder import Recorder
 from sjdsl.trainers.runs.updates import Loop
@@ -81,7 +82,7 @@ def test_a_run_goes_on_from_every_moment(tmp_path: Path, evaluate_every: int) ->
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(os, "replace", copy_around(os.replace))
-        patch.setattr(metrics_files.Metrics, "append", copy_around(metrics_files.Metrics.append))
+        patch.setattr(recorder, "append_line", copy_around(metrics_files.append_line))
         patch.setattr(Checkpoints, "save", copy_around(Checkpoints.save))
         patch.setattr(Recorder, "evaluate", copy_around(Recorder.evaluate))
         train(matching(), config, run_dir, "none")
@@ -291,24 +292,24 @@ def test_a_disk_that_is_full_when_metrics_are_written(
     tmp_path: Path, whole: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Linux has a file that is always full; in update 6 the metrics are led into it."""
-    append = metrics_files.Metrics.append
 
-    def lead_astray(self: metrics_files.Metrics, row: dict[str, Any]) -> None:
+    def open_full(_: Path, mode: Any) -> TextIO:
+        return open_in_place(Path("/dev/full"), mode)
+
+    def lead_astray(path: Path, row: dict[str, Any]) -> None:
         if row["update"] == 6:
-            full = os.open("/dev/full", os.O_WRONLY)
-            os.dup2(full, self.lines.fileno())
-            os.close(full)
-        append(self, row)
+            patch.setattr(metrics_files, "open_in_place", open_full)
+        metrics_files.append_line(path, row)
 
-    monkeypatch.setattr(metrics_files.Metrics, "append", lead_astray)
     run_dir = tmp_path / "run"
-    with pytest.raises(
-        RunError,
-        match=r"metrics\.jsonl could not be written: No space left on device.*make room, and resume",
-    ):
-        train(matching(), SHORT, run_dir, "none")
+    with monkeypatch.context() as patch:
+        patch.setattr(recorder, "append_line", lead_astray)
+        with pytest.raises(
+            RunError,
+            match=r"metrics\.jsonl could not be written: No space left on device.*make room, and resume",
+        ):
+            train(matching(), SHORT, run_dir, "none")
     assert "No space left" in read_manifest(run_dir)["status"]
-    monkeypatch.setattr(metrics_files.Metrics, "append", append)
     resume(matching(), run_dir, "none")
     assert_same_end(run_dir, whole)
 

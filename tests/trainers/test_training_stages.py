@@ -290,17 +290,17 @@ def test_a_preset_with_stages(tmp_path: Path) -> None:
     ("text", "changes", "message"),
     [
         ("stages = 3\n", {}, r"mine\.toml: `stages` must be a list of tables, not 3"),
-        ("stages = [3]\n", {}, r"mine\.toml: stages\[1\] must be a table, not 3"),
+        ("stages = [3]\n", {}, r"mine\.toml: `stages\[1\]` must be a table, not 3"),
         ("[[stages]]\n[[stages]]\nmap = 'x'\n", {}, r"mine\.toml: stages\[2\]: unknown key `map`"),
         (
             "[[stages]]\nenvironment.agents = 3\n",
             {},
-            r"mine\.toml: stages\[1\]: environment: unknown key `agents`",
+            r"mine\.toml: stages\[1\]\.environment: unknown key `agents`",
         ),
         (
             "[[games.coins.stages]]\nreward.svoo = {}\n",
             {},
-            r"mine\.toml: games\.coins\.stages\[1\]: reward: unknown key `svoo`",
+            r"mine\.toml: games\.coins\.stages\[1\]\.reward: unknown key `svoo`",
         ),
         (
             "[[stages]]\n[[stages]]\nconfig.gama = 1\n",

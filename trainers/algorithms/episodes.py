@@ -1,7 +1,7 @@
 """Episode statistics inside a jitted loop: summed while an episode runs, recorded when it ends."""
 
 import math
-from dataclasses import field
+from dataclasses import replace
 from typing import Any
 
 import flax
@@ -37,9 +37,7 @@ class EpisodeSums:
     events: dict[str, Array]  # name -> [B, N] or [B] int32, counts
     metric_sums: dict[str, Array]  # name -> [B] float32, over steps
     metric_finals: dict[str, Array]  # name -> [B] float32, at the last step
-    # figure -> [B, K] of the K trials, summed over agents; `length` and the names of metrics, with
-    # sums over steps in place of means; none in games without trials
-    trials: dict[str, Array] = field(default_factory=dict)
+    trials: "EpisodeSums | None" = None  # of each of K trials, [B, K, ...]; None: no trials
 
     @property
     def metric_means(self) -> dict[str, Array]:
@@ -48,15 +46,16 @@ class EpisodeSums:
 
     @property
     def by_trial(self) -> dict[str, Array]:
-        """Figure -> `[B, K]` of each trial; none in games without trials."""
-        figures = dict(self.trials)
-        if not figures:
-            return figures
-        length = figures.pop("length")
-        for name, total in figures.items():
-            if name.startswith("mean_"):
-                figures[name] = total / jnp.maximum(length, 1)
-        return figures
+        """Figure -> `[B, K]` of each trial, summed over agents; none in games without trials."""
+        if self.trials is None:
+            return {}
+        shape = self.trials.length.shape
+        trials = replace(self.trials, length=jnp.maximum(self.trials.length, 1))
+        figures = {"collective_return": trials.returns.sum(axis=-1)}
+        for name, counts in trials.events.items():
+            figures[f"event_{name}"] = counts.reshape(*shape, -1).sum(axis=-1)
+        figures |= {f"final_{name}": value for name, value in trials.metric_finals.items()}
+        return figures | {f"mean_{name}": value for name, value in trials.metric_means.items()}
 
 
 # Totals over the episodes that have ended, by the names of their metrics; divided by their number,
@@ -67,65 +66,51 @@ FinishedEpisodes = dict[str, Any]
 def zero_sums(env: Environment, num_envs: int) -> EpisodeSums:
     """Returns the sums of `num_envs` episodes before their first step."""
     info = info_shapes(env)
-    no_metrics = {name: jnp.zeros(num_envs, jnp.float32) for name in info["metrics"]}
-    no_returns = jnp.zeros((num_envs, env.num_agents), jnp.float32)
-    no_events = {
-        name: jnp.zeros((num_envs, *count.shape), jnp.int32)
-        for name, count in info["events"].items()
-    }
-    return EpisodeSums(
-        length=jnp.zeros(num_envs, jnp.int32),
-        returns=no_returns,
-        shaped_returns=jnp.zeros_like(no_returns),
-        events=no_events,
-        metric_sums=no_metrics,
-        metric_finals=no_metrics,
-        trials=_zero_trials(info, num_envs, num_trials(env)),
-    )
 
+    def zeros(*shape: int) -> EpisodeSums:
+        no_metrics = {name: jnp.zeros(shape, jnp.float32) for name in info["metrics"]}
+        no_returns = jnp.zeros((*shape, env.num_agents), jnp.float32)
+        no_events = {
+            name: jnp.zeros((*shape, *count.shape), jnp.int32)
+            for name, count in info["events"].items()
+        }
+        no_steps = jnp.zeros(shape, jnp.int32)
+        return EpisodeSums(no_steps, no_returns, no_returns, no_events, no_metrics, no_metrics)
 
-def _zero_trials(info: dict[str, Any], num_envs: int, trials: int) -> dict[str, Array]:
-    """Returns the sums of each trial before the first step; none in games without trials."""
-    if trials == 1:
-        return {}
-    counts = ["length", *(f"event_{name}" for name in info["events"])]
-    values = ["collective_return"]
-    for name in info["metrics"]:
-        values += [f"mean_{name}", f"final_{name}"]
-    no_counts = jnp.zeros((num_envs, trials), jnp.int32)
-    no_values = jnp.zeros((num_envs, trials), jnp.float32)
-    return dict.fromkeys(counts, no_counts) | dict.fromkeys(values, no_values)
-
-
-def _add_to_trials(sums: dict[str, Array], reward: Array, info: dict[str, Any]) -> dict[str, Array]:
-    """Returns the sums after one more step of each of B episodes, in the trial `info["trial"]`."""
-    step = {"length": jnp.ones(len(reward), jnp.int32), "collective_return": reward}
-    step |= {f"event_{name}": count for name, count in info["events"].items()}
-    for name, value in info["metrics"].items():
-        step |= {f"mean_{name}": value, f"final_{name}": value}
-    after = {}
-    for name, total in sums.items():
-        of_all_agents = step[name].reshape(len(reward), -1).sum(axis=-1, dtype=total.dtype)
-        of_trial = total.at[jnp.arange(len(reward)), info["trial"]]
-        is_last = name.startswith("final_")
-        after[name] = of_trial.set(of_all_agents) if is_last else of_trial.add(of_all_agents)
-    return after
+    trials = num_trials(env)
+    sums = zeros(num_envs)
+    return sums if trials == 1 else replace(sums, trials=zeros(num_envs, trials))
 
 
 def add_step(
     sums: EpisodeSums, reward: Array, shaped_reward: Array, info: dict[str, Any]
 ) -> EpisodeSums:
     """Returns the sums after one more step of B episodes; `info` as the step gave it."""
+    trials = sums.trials
+    if trials is not None:
+        step = (reward, shaped_reward, info["events"], info["metrics"])
+        of_each = jax.tree.map(lambda leaf: leaf[:, None], step)  # the same for all trials
+        is_now = jnp.arange(trials.length.shape[1]) == info["trial"][:, None]
+        trials = where_env(is_now, _add(trials, *of_each), trials)
+    after = _add(sums, reward, shaped_reward, info["events"], info["metrics"])
+    return replace(after, trials=trials)
+
+
+def _add(
+    sums: EpisodeSums,
+    reward: Array,
+    shaped_reward: Array,
+    events: dict[str, Array],
+    metrics: dict[str, Array],
+) -> EpisodeSums:
+    """Returns the sums after one more step, without those of trials."""
     return EpisodeSums(
         length=sums.length + 1,
         returns=sums.returns + reward,
         shaped_returns=sums.shaped_returns + shaped_reward,
-        events={name: count + info["events"][name] for name, count in sums.events.items()},
-        metric_sums={
-            name: total + info["metrics"][name] for name, total in sums.metric_sums.items()
-        },
-        metric_finals=info["metrics"],
-        trials=_add_to_trials(sums.trials, reward, info),
+        events=jax.tree.map(jnp.add, sums.events, events),
+        metric_sums=jax.tree.map(jnp.add, sums.metric_sums, metrics),
+        metric_finals=metrics,
     )
 
 

@@ -1,6 +1,5 @@
-"""The optimisers (optax): for PPO one for all parameters that share layers."""
+"""The optimisers (optax) and their learning rates."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -8,7 +7,6 @@ import jax
 import jax.numpy as jnp
 import optax
 from flax.training.train_state import TrainState as Learner
-from jax import Array
 from jax.tree_util import keystr
 
 from ..settings.config import PPOConfig, VDNConfig
@@ -31,55 +29,25 @@ def learning_rate_schedule(config: PPOConfig | VDNConfig) -> optax.Schedule:
     return optax.linear_schedule(config.learning_rate, 0.0, config.num_updates * steps)
 
 
-def make_optimiser(config: PPOConfig) -> optax.GradientTransformation:
-    """Returns the optimiser of PPO: Adam on gradients whose global norm is clipped.
+def make_optimiser(config: PPOConfig | VDNConfig) -> optax.GradientTransformation:
+    """Returns the optimiser on gradients whose global norm is clipped: Adam, for VDN rectified Adam.
 
-    There is one for all parameters, or one for each part of them. With separate optimisers, a
-    critic with large errors (as with summed rewards) doesn't take the actor's share of the clipped
-    norm.
+    There is one for all parameters; or one for a critic that shares no layer with its actor, and
+    one for the rest. With separate optimisers, a critic with large errors (as with summed rewards)
+    doesn't take the actor's share of the clipped norm. Source of rectified Adam: SocialJax.
     """
-    adam = _clipped(optax.adam, config)
-    if not parts(config):
-        return adam
-    return optax.partition(dict.fromkeys(parts(config), adam), part_of_each)
-
-
-def parts(config: PPOConfig) -> tuple[str, ...]:
-    """Returns the parts with an optimiser each: a critic that shares no layer with its actor."""
-    return ("actor", "critic") if config.critic_has_torso else ()
+    make = optax.radam if isinstance(config, VDNConfig) else optax.adam
+    optimiser = optax.chain(
+        optax.clip_by_global_norm(config.max_gradient_norm),
+        make(learning_rate_schedule(config), eps=config.adam_epsilon),
+    )
+    if isinstance(config, VDNConfig) or not config.critic_has_torso:
+        return optimiser
+    return optax.partition({"actor": optimiser, "critic": optimiser}, part_of_each)
 
 
 def part_of_each(parameters: Any) -> Any:
     """Returns `actor` or `critic` for each leaf, by the name of the module it is in."""
     return jax.tree_util.tree_map_with_path(
         lambda path, _: "critic" if "['critic" in keystr(path) else "actor", parameters
-    )
-
-
-def gradient_norms(gradients: Any, config: PPOConfig) -> dict[str, Array]:
-    """Returns the global norm of the gradients before clipping, and that of each part, if any."""
-    norms = {"gradient_norm": optax.tree.norm(gradients)}
-    part_of_leaf = jax.tree.leaves(part_of_each(gradients))
-    leaves = list(zip(jax.tree.leaves(gradients), part_of_leaf, strict=True))
-    for part in parts(config):
-        of_part = [leaf for leaf, other in leaves if other == part]
-        norms[f"{part}_gradient_norm"] = optax.tree.norm(of_part)
-    return norms
-
-
-def make_value_optimiser(config: VDNConfig) -> optax.GradientTransformation:
-    """Returns rectified Adam on gradients whose global norm is clipped.
-
-    Source: SocialJax, VDN configuration.
-    """
-    return _clipped(optax.radam, config)
-
-
-def _clipped(
-    make: Callable[..., optax.GradientTransformation], config: PPOConfig | VDNConfig
-) -> optax.GradientTransformation:
-    """Returns an optimiser on gradients whose global norm is clipped."""
-    return optax.chain(
-        optax.clip_by_global_norm(config.max_gradient_norm),
-        make(learning_rate_schedule(config), eps=config.adam_epsilon),
     )

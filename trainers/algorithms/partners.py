@@ -21,10 +21,6 @@ class Partners:
     agents: tuple[int, ...]
     policy: MemoryPolicy
 
-    def start(self, num_envs: int) -> Any:
-        """Returns their memory before the first step of B environments: leaves `[B, ...]`."""
-        return self.policy.starts(num_envs)
-
     def act(
         self,
         env: Environment,
@@ -33,25 +29,16 @@ class Partners:
         observation: Array,
         state: Any,
         fresh: Array,
+        action: Array,
     ) -> tuple[Any, Array]:
-        """Returns their memory and the actions `[B, N]` of B environments.
-
-        Only the actions of `agents` are meaningful.
-        """
+        """Returns their memory, and the actions `[B, N]` of B environments with theirs replaced."""
         num_envs = fresh.shape[0]
-        memory = where_env(fresh, self.start(num_envs), memory)
+        memory = where_env(fresh, self.policy.starts(num_envs), memory)
         keys = own_keys(key, num_envs)
         take = partial(take_actions, env, self.policy)
-        return jax.vmap(take)(memory, keys, observation, state)
-
-    def after_step(self, memory: Any, action: Array, reward: Array, info: dict[str, Any]) -> Any:
-        """Returns their memory after B environments were stepped: `MemoryPolicy.after_step`."""
-        return jax.vmap(self.policy.after_step)(memory, action, reward, info)
-
-    def in_place(self, action: Array, theirs: Array) -> Array:
-        """Returns actions `[..., N]` with those of the partners replaced."""
+        memory, taken = jax.vmap(take)(memory, keys, observation, state)
         agents = jnp.asarray(self.agents)
-        return action.at[..., agents].set(theirs[..., agents])
+        return memory, action.at[:, agents].set(taken[:, agents])
 
 
 NOBODY = Partners((), MemoryPolicy((), lambda memory, _, observation: (memory, observation)))

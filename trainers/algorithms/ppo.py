@@ -8,6 +8,7 @@ from typing import Any, cast
 import flax
 import jax
 import jax.numpy as jnp
+import optax
 from flax.training.train_state import TrainState as Learner
 from jax import Array
 
@@ -41,7 +42,7 @@ from .losses import (
     value_loss,
 )
 from .minibatches import check_minibatches, draw_orders, sorted_on_cpu
-from .optimisers import gradient_norms, learning_rate_schedule, make_optimiser, start_learner
+from .optimisers import learning_rate_schedule, make_optimiser, start_learner
 from .partners import Partners
 from .preferences import draw_preferences
 from .rollout import (
@@ -345,7 +346,7 @@ def take_epochs(
         (value, losses), gradients = mean_of_all(
             loss(learner.params, with_preferences, minibatch, config)
         )
-        losses = {**losses, "loss": value, **gradient_norms(gradients, config)}
+        losses = {**losses, "loss": value, "gradient_norm": optax.tree.norm(gradients)}
         return learner.apply_gradients(grads=gradients), losses
 
     if config.normalise_values:

@@ -86,7 +86,7 @@ def start_worlds(
         trace=jnp.zeros((num_envs, env.num_agents), jnp.float32),
         memory=memory,
         sums=zero_sums(env, num_envs),
-        partners=partners.start(num_envs),
+        partners=partners.policy.starts(num_envs),
     )
 
 
@@ -148,20 +148,21 @@ def collect_rollout(
         partners_memory = worlds.partners
         if partners.agents:
             (partners_key,) = others
-            partners_memory, taken = partners.act(
+            partners_memory, action = partners.act(
                 env,
                 partners_memory,
                 partners_key,
                 worlds.observation,
                 worlds.state,
                 worlds.fresh,
+                action,
             )
-            action = partners.in_place(action, taken)
         env_keys = own_keys(env_key, action.shape[0])
         observation, state, reward, done, info = jax.vmap(env.step)(env_keys, worlds.state, action)
         memory = actor.after_step(memory, action, reward, info)
         if partners.agents:
-            partners_memory = partners.after_step(partners_memory, action, reward, info)
+            after_step = jax.vmap(partners.policy.after_step)
+            partners_memory = after_step(partners_memory, action, reward, info)
         trace = shaping.smoothing * worlds.trace + reward
         step = Step(
             reward=reward,

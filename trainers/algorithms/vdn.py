@@ -17,7 +17,7 @@ import optax
 from flax.training.train_state import TrainState as Learner
 from jax import Array
 
-from ..environment import Environment, MaskedEnvironment, array_shape, reset_shapes
+from ..environment import Environment, MaskedEnvironment, reset_shapes
 from ..networks.action_values import exploration, explore, make_action_values
 from ..networks.actor_critics import packing_of
 from ..networks.masks import allowed_in, wants_masks
@@ -25,7 +25,7 @@ from ..networks.packing import Packing
 from ..networks.teams import learning_agents
 from ..settings.config import ConfigError, VDNConfig
 from .minibatches import check_minibatches, draw_orders, sorted_on_cpu
-from .optimisers import learning_rate_schedule, make_value_optimiser, start_learner
+from .optimisers import learning_rate_schedule, make_optimiser, start_learner
 from .partners import Partners
 from .replay_buffer import ReplayBuffer, add_entries, draw_entries, empty_replay
 from .rollout import (
@@ -69,7 +69,7 @@ def make_vdn(env: Environment, config: VDNConfig, partners: Partners) -> Train:
     network = make_action_values(env, config)
     team = Team(network, jnp.asarray(learning_agents(env.num_agents, config)))
     shaping = make_shaping(config, env.num_agents)
-    optimiser = make_value_optimiser(config)
+    optimiser = make_optimiser(config)
     packing = packing_of(env)
     masks = wants_masks(env, config)
 
@@ -169,15 +169,16 @@ def _entry_shapes(env: Environment, packing: Packing, masks: bool) -> Transition
     """Returns the shapes and dtypes of a transition. `masks`: whether actions may be forbidden."""
     observation, state = reset_shapes(env)
     packed = jax.eval_shape(packing.pack, observation)
+    placeholder: Any = jax.ShapeDtypeStruct
     allowed = None
     if masks:
         allowed = jax.eval_shape(cast(MaskedEnvironment, env).allowed_actions, state)
     return Transition(
         observation=packed,
-        action=array_shape((env.num_agents,), jnp.int32),
-        reward=array_shape((), jnp.float32),
+        action=placeholder((env.num_agents,), jnp.int32),
+        reward=placeholder((), jnp.float32),
         following=packed,
-        ended=array_shape((), jnp.bool_),
+        ended=placeholder((), jnp.bool_),
         allowed=allowed,
     )
 

@@ -141,8 +141,13 @@ def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
     state_vector: Callable[[Any], Array] | None = None
     observation, state = reset_shapes(env)
     if config.critic_has_torso and config.critic == "state":
+        if not hasattr(env, "state_vector"):
+            raise ConfigError(
+                f"`{env.name}` has no state_vector for a critic of the state; "
+                'choose critic = "observations"'
+            )
         joint_planes = ()
-        state_vector = vector_function(env)
+        state_vector = cast(ObservableEnvironment, env).state_vector
         blank_joint = jnp.zeros((1, 1, *jax.eval_shape(state_vector, state).shape), jnp.float32)
     elif config.critic_has_torso:
         joint_planes = planes * env.num_agents
@@ -180,17 +185,3 @@ def packing_of(env: Environment) -> Packing:
     """Returns how rollouts store the environment's observations."""
     observation, _ = reset_shapes(env)
     return make_packing(token_planes(env), observation.shape[-2:])
-
-
-def vector_function(env: Environment) -> Callable[[Any], Array]:
-    """Returns the function of an environment that gives a state as a vector `[K]`.
-
-    Raises:
-      ConfigError: it has none.
-    """
-    if not hasattr(env, "state_vector"):
-        raise ConfigError(
-            f"`{env.name}` has no state_vector for a critic of the state; "
-            'choose critic = "observations"'
-        )
-    return cast(ObservableEnvironment, env).state_vector

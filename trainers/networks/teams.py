@@ -55,17 +55,14 @@ def over_teams(
         return jax.vmap(function, tuple(in_axes), tuple(out_axes))
 
     def alone(*arguments: Any) -> Any:
-        results = function(*map(_without_axis, arguments, in_axes))
-        return tuple(map(_with_axis, results, out_axes))
+        without_axes = []
+        for tree, axis in zip(arguments, in_axes, strict=True):
+            if axis is not None:
+                tree = jax.tree.map(partial(jnp.squeeze, axis=axis), tree)
+            without_axes.append(tree)
+        return tuple(
+            jax.tree.map(partial(jnp.expand_dims, axis=axis), tree)
+            for tree, axis in zip(function(*without_axes), out_axes, strict=True)
+        )
 
     return alone
-
-
-def _without_axis(tree: Any, axis: int | None) -> Any:
-    """Returns a tree without the axis of its only team, if it has one."""
-    return tree if axis is None else jax.tree.map(partial(jnp.squeeze, axis=axis), tree)
-
-
-def _with_axis(tree: Any, axis: int) -> Any:
-    """Returns a tree with an axis for its only team."""
-    return jax.tree.map(partial(jnp.expand_dims, axis=axis), tree)

@@ -67,10 +67,8 @@ def estimate(samples: np.ndarray, confidence: float = 0.95) -> Estimate:
     if (samples == first).all():  # rounding would change their mean, and give them a deviation
         return Estimate(first, first, first)
     mean = float(samples.mean())
-    deviation = float(samples.std(ddof=1))
-    quantile = stats.t.ppf(0.5 + confidence / 2, len(samples) - 1)
-    margin = float(quantile * deviation / math.sqrt(len(samples)))
-    return Estimate(mean, mean - margin, mean + margin)
+    low, high = stats.t.interval(confidence, len(samples) - 1, mean, stats.sem(samples))
+    return Estimate(mean, float(low), float(high))
 
 
 def difference(first: np.ndarray, second: np.ndarray, confidence: float = 0.95) -> Estimate:

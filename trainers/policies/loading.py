@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any, cast
 
@@ -35,7 +36,6 @@ from ..networks.action_values import best_action, explore, make_action_values
 from ..networks.actor_critics import make_actor_critics
 from ..networks.masks import masked, wants_masks
 from ..networks.teams import learning_agents
-from ..networks.value_scale import converted
 from ..settings.config import Config, ConfigError, PPOConfig, VDNConfig
 from ..settings.extensions import find, is_own
 from ..settings.policy_names import split_name, unknown_policy
@@ -87,10 +87,7 @@ def find_policy(
     if path.exists() or path.suffix == ".safetensors":
         return load_policy(path, env, greedy, which)
     if is_own("policy", name):
-        try:
-            users: Policy = find("policy", name)
-        except ConfigError as error:
-            raise PolicyError(str(error)) from None
+        users: Policy = find("policy", name)  # there is one, or `refuse_host` would have raised
         _check_arguments(name, users)
         return users
     raise PolicyError(unknown_policy(name, tuple(declared)))
@@ -254,22 +251,15 @@ def _simplest_policy(
 
 def parameter_shapes(env: Environment, config: Config) -> Any:
     """Returns the shapes and dtypes of the parameters of a configuration's policy."""
-
-    def init(key: Array) -> Any:
-        """Returns initial parameters."""
-        match config:
-            case PPOConfig() if "algorithm" in config.hooks:
-                program = _own_program(env, config)
-                return program.parameters(program.init(key))
-            case PPOConfig():
-                return make_actor_critics(env, config).init(key, env)
-            case VDNConfig():
-                observation, _ = reset_shapes(env)
-                blank = jnp.zeros(observation.shape, observation.dtype)
-                return make_action_values(env, config).init(key, blank)
-        raise TypeError(f"no algorithm takes a {type(config).__name__}")
-
-    return jax.eval_shape(init, abstract_key())
+    key = abstract_key()
+    if isinstance(config, VDNConfig):
+        observation, _ = reset_shapes(env)
+        return jax.eval_shape(make_action_values(env, config).init, key, observation)
+    assert isinstance(config, PPOConfig)
+    if "algorithm" in config.hooks:
+        program = _own_program(env, config)
+        return jax.eval_shape(lambda key: program.parameters(program.init(key)), key)
+    return jax.eval_shape(partial(make_actor_critics(env, config).init, env=env), key)
 
 
 def load_policy(
@@ -322,16 +312,12 @@ def load_parameters(name: str, env: Environment, config: Config) -> Any:
     """
     file = policy_path(*split_name(name))
     parameters, described = read_parameters(file, env)
-    stored = described.config
-    is_own_algorithm = "algorithm" in config.hooks
-    if isinstance(config, PPOConfig) and isinstance(stored, PPOConfig) and not is_own_algorithm:
-        parameters = converted(parameters, config.normalise_values)
     wanted = jax.tree.map(lambda leaf: leaf.shape, parameter_shapes(env, config))
     if jax.tree.map(jnp.shape, parameters) == wanted:
         return parameters
     differences = []
     for setting in SHAPING_NETWORKS:
-        there = getattr(stored, setting, "none")
+        there = getattr(described.config, setting, "none")
         here = getattr(config, setting, "none")
         if there != here:
             differences.append(f"{setting} = {there} there and {here} here")
@@ -347,28 +333,22 @@ def read_parameters(path: Path, env: Environment) -> tuple[Any, Described]:
     """
     parameters, described = read_policy(path, lambda config: parameter_shapes(env, config))
     game = described.game
-    form = f"{game['name']} {game['hash']}"
-    env_form = f"{env.name} {env.hash}"
-    if game["hash"] != env.hash:
+    if game.hash != env.hash:
         warnings.warn(
-            f"{path} was trained on another form of the game: {form}, not {env_form}", stacklevel=2
+            f"{path} was trained on another form of the game: {game.name} {game.hash}, "
+            f"not {env.name} {env.hash}",
+            stacklevel=2,
         )
-    if parameters is not None:
-        return parameters, described
-    num_actions = len(game["action_names"])
-    shape = game["observation_shape"]
-    env_shape = list(reset_shapes(env)[0].shape)
-    if num_actions != env.num_actions or shape != env_shape:
-        reason = (
-            f"{game['name']} with {num_actions} actions and observations {shape}; "
-            f"here are {env.num_actions} actions and observations {env_shape}"
+    if parameters is None:
+        observation, _ = reset_shapes(env)
+        raise PolicyError(
+            f"{path} doesn't fit {env.name}: it was trained on {game.name} with "
+            f"{len(game.action_names)} actions and observations {game.observation_shape}; "
+            f"here are {env.num_actions} actions and observations {list(observation.shape)}. If "
+            "these are equal, windows show other things: name the variant, map and observation "
+            "that it was trained with"
         )
-    else:
-        reason = (
-            f"{form}, whose windows have the same size but show other things than those of "
-            f"{env_form}; name the variant, map and observation that it was trained with"
-        )
-    raise PolicyError(f"{path} doesn't fit {env.name}: it was trained on {reason}")
+    return parameters, described
 
 
 def make_partners(env: Environment, config: Config) -> Partners:

@@ -2,13 +2,13 @@
 
 import hashlib
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import jax
 import numpy as np
 from jax.tree_util import keystr, tree_flatten_with_path
+from pydantic import BaseModel, ConfigDict, PlainValidator
 from safetensors import SafetensorError, safe_open
 from safetensors.numpy import save
 
@@ -43,12 +43,24 @@ class PolicyError(Exception):
     """A stored policy can't be read, or doesn't fit the environment."""
 
 
-@dataclass(frozen=True)
-class Described:
+class TrainedGame(BaseModel):
+    """The game of a stored policy."""
+
+    model_config = ConfigDict(strict=True)
+
+    name: str
+    hash: str
+    action_names: list[str]
+    observation_shape: list[int]
+
+
+class Described(BaseModel):
     """The description of a stored policy."""
 
-    game: Mapping[str, Any]  # name, hash, action_names, observation_shape
-    config: Config
+    model_config = ConfigDict(strict=True)
+
+    game: TrainedGame
+    config: Annotated[Config, PlainValidator(stored_config)]
     update: int
     env_steps: int
     seed: int
@@ -178,15 +190,4 @@ def _read_description(path: Path, digest: str | None = None) -> Described:
         raise ValueError(
             f"{path} is damaged: it isn't the one that was written; use another policy of the run"
         )
-    content = parse_json(written)
-    game = content["game"]
-    update = content["update"]
-    env_steps = content["env_steps"]
-    texts = (game["name"], game["hash"], *game["action_names"])
-    numbers = (update, env_steps, *game["observation_shape"])
-    are_texts = all(isinstance(text, str) for text in texts)
-    are_numbers = all(isinstance(number, int) for number in numbers)
-    if not are_texts or not are_numbers:
-        raise ValueError(f"{path} doesn't describe a policy")
-    config = stored_config(content["config"])
-    return Described(game, config, update, env_steps, int(content.get("seed", config.seed)))
+    return Described.model_validate(parse_json(written))

@@ -8,16 +8,14 @@ time.
 from ..settings.config import Config
 
 SECONDS_A_MINUTE = 60.0
-# assumed speed of writing the first checkpoint with its digest; afterwards the time is measured
-BYTES_A_SECOND = 100e6
 
 
 class CheckpointPace:
     """The times at which checkpoints of a run are due. Times are seconds of one clock."""
 
-    def __init__(self, config: Config, num_bytes: int, now: float) -> None:
+    def __init__(self, config: Config, now: float) -> None:
         self._config = config
-        self._cost = num_bytes / BYTES_A_SECOND  # seconds to write one
+        self._cost = 0.0  # seconds that the last one took
         self._last = now  # when the last one was written, or the run began
 
     @property

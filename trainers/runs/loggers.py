@@ -54,12 +54,10 @@ def _open_tensorboard(stack: ExitStack, folder: Path, title: str, config: Config
     del title, config
     from tensorboardX import SummaryWriter
 
-    events = folder / "tensorboard"
-    resumed = {}
-    if events.exists():
-        # a suffix, as file names are made from the second in which a writer was started
-        resumed = {"purge_step": done + 1, "filename_suffix": f".{done}"}
-    writer = SummaryWriter(str(events), **resumed)
+    # a suffix, as file names are made from the second in which a writer was started
+    writer = SummaryWriter(
+        str(folder / "tensorboard"), purge_step=done + 1, filename_suffix=f".{done}"
+    )
     stack.callback(writer.close)
 
     def log(row: Row) -> None:

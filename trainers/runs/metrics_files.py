@@ -6,11 +6,9 @@ A run of many small updates has more rows than fit into memory, so nothing here 
 import json
 import math
 import os
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Annotated, Any, TextIO
+from typing import Annotated, Any
 
 from pydantic import Field, TypeAdapter
 
@@ -37,30 +35,6 @@ COLUMNS = {METRICS_JSONL: {"env_steps"}, EVALUATIONS: {"update", "collective ret
 OF_A_RUN = {"update", "seconds", "episodes"}
 
 
-@dataclass(frozen=True)
-class Metrics:
-    """The open `metrics.jsonl` of one seed. All rows have the same columns."""
-
-    lines: TextIO
-
-    def append(self, row: Row) -> None:
-        """Writes one row and flushes it."""
-        self.lines.write(json.dumps(plain(row)) + "\n")
-        self.lines.flush()
-
-    def to_disk(self) -> None:
-        """Makes the system write what was appended, in case the machine stops."""
-        os.fsync(self.lines.fileno())
-
-
-@contextmanager
-def open_metrics(folder: Path) -> Iterator[Metrics]:
-    """Opens the metrics of one seed for appending."""
-    path = folder / METRICS_JSONL
-    with naming(path), open_in_place(path, "a") as lines:
-        yield Metrics(lines)
-
-
 def cut_metrics(folder: Path, done: int, evaluate_every: int = 0) -> Iterator[Row]:
     """Drops what was written after update `done`, including half a line.
 
@@ -74,12 +48,10 @@ def cut_metrics(folder: Path, done: int, evaluate_every: int = 0) -> Iterator[Ro
       RunError: rows up to that update, or evaluations, are lost.
     """
     metrics = folder / METRICS_JSONL
-    written = _whole_lines(metrics)
     size = 0
     last: Row = {"update": 0}
-    while last["update"] < done:  # what follows may be anything
-        line, row = next(written, (b"", {}))
-        if not row.keys() >= OF_A_RUN or row["update"] != last["update"] + 1:
+    for line, row in _lines_of(metrics, range(1, done + 1)):
+        if not row.keys() >= OF_A_RUN:
             break
         size += len(line)
         last = known_row(row)
@@ -98,9 +70,7 @@ def cut_metrics(folder: Path, done: int, evaluate_every: int = 0) -> Iterator[Ro
     if evaluate_every:
         last_evaluated = known - 1 if is_diverged else known
         wanted = range(evaluate_every, last_evaluated + 1, evaluate_every)
-    # Lines behind these are dropped.
-    pairs = zip(wanted, _whole_lines(evaluations), strict=False)
-    kept = [line for number, (line, row) in pairs if row["update"] == number]
+    kept = [line for line, _ in _lines_of(evaluations, wanted)]
     if len(kept) < len(wanted):
         raise RunError(
             f"{evaluations} is damaged: it holds only {len(kept)} of {len(wanted)} evaluations. "
@@ -108,6 +78,17 @@ def cut_metrics(folder: Path, done: int, evaluate_every: int = 0) -> Iterator[Ro
         )
     _cut(metrics, size)
     _cut(evaluations, sum(map(len, kept)))
+
+
+def _lines_of(path: Path, updates: Iterable[int]) -> Iterator[tuple[bytes, Row]]:
+    """Yields the lines of these updates and their rows, up to the first that is missing.
+
+    What follows the last may be anything.
+    """
+    for update, (line, row) in zip(updates, _whole_lines(path), strict=False):
+        if row.get("update") != update:
+            return
+        yield line, row
 
 
 def read_rows(path: Path) -> Iterator[Row]:
@@ -165,7 +146,11 @@ def append_line(path: Path, row: Row) -> None:
     """Appends a row to a file of JSON lines."""
     with naming(path), open_in_place(path, "a") as file:
         file.write(json.dumps(plain(row)) + "\n")
-        file.flush()
+
+
+def to_disk(path: Path) -> None:
+    """Makes the system write what was appended to a file, in case the machine stops."""
+    with naming(path), open_in_place(path, "a") as file:
         os.fsync(file.fileno())
 
 

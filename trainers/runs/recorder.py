@@ -20,13 +20,13 @@ from .learning_signs import Signs, is_due
 from .loggers import Log, open_loggers
 from .metrics_files import (
     EVALUATIONS,
-    Metrics,
+    METRICS_JSONL,
     Row,
     append_line,
     cut_metrics,
-    open_metrics,
     read_rows,
     thinned_rows,
+    to_disk,
 )
 from .run_folder import describe_game
 from .run_stage import RunStage
@@ -48,7 +48,6 @@ class History:
     best_mean: float = -math.inf  # the highest mean collective return between two such policies
     signs: Signs = field(default_factory=Signs)
     warnings: list[str] = field(default_factory=list)  # that the run learns nothing
-    is_judged: bool = False  # whether the warnings were made at the last row
 
     def add_row(self, row: Row) -> None:
         """Adds the row of the next update to the totals, and makes the warnings when due.
@@ -63,8 +62,7 @@ class History:
             self.sum_of_returns += row["episodes"] * row["collective_return"]
             self.num_episodes += row["episodes"]
         self.signs.count(row)
-        self.is_judged = is_due(self.updates, self.config)
-        if self.is_judged:
+        if is_due(self.updates, self.config):
             self.warnings = list(self.signs.warnings(self.config))
 
     def recall(self, row: Row) -> None:
@@ -94,12 +92,11 @@ class History:
 
 @dataclass
 class Recorder:
-    """The open files of one seed."""
+    """The files of one seed, and its loggers."""
 
     stage: RunStage
     seed: int
     folder: Path
-    metrics: Metrics
     history: History
     loggers: Sequence[Log]
     evaluator: Evaluator
@@ -107,7 +104,7 @@ class Recorder:
 
     def append(self, row: Row) -> None:
         """Writes the row of an update."""
-        self.metrics.append(row)
+        append_line(self.folder / METRICS_JSONL, row)
         self.history.add_row(row)
         self.log(row)
 
@@ -129,7 +126,7 @@ class Recorder:
 
     def store(self, parameters: Any, update: int, *names: str) -> None:
         """Stores the policy of an update under some names, after the metrics."""
-        self.metrics.to_disk()
+        to_disk(self.folder / METRICS_JSONL)
         description = {
             "game": describe_game(self.stage.env),
             "config": self.stage.config.record(),
@@ -146,6 +143,7 @@ class Recorder:
         earned = figures["collective return"].mean
         row = moment | {name: asdict(figure) for name, figure in figures.items()}
         append_line(self.folder / EVALUATIONS, row)
+        to_disk(self.folder / EVALUATIONS)
         self.log(moment | {"evaluation_collective_return": earned})
         if earned > self.best_evaluated:
             self.best_evaluated = earned
@@ -189,7 +187,6 @@ def open_recorders(stage: RunStage, done: int) -> Iterator[list[Recorder]]:
                 seed=seed,
                 folder=folder,
                 loggers=stack.enter_context(loggers),
-                metrics=stack.enter_context(open_metrics(folder)),
                 history=history,
                 evaluator=evaluator,
                 best_evaluated=max(evaluated, default=-math.inf),

@@ -34,12 +34,12 @@ def check_same_run(env: Environment, run_dir: Path) -> dict[str, Any]:
             f"{run_dir} is a run with other numbers of the game: "
             f"{', '.join(changed) or 'some are gone'}"
         )
-    if (stored.get("tasks"), stored.get("split")) != (game.get("tasks"), game.get("split")):
-        played = " ".join(filter(None, (str(stored.get("tasks") or "all"), stored.get("split"))))
-        raise RunError(
-            f"{run_dir} was trained on other tasks ({played}): make the environment with "
-            "the same tasks and split"
-        )
+    for part in ("tasks", "split"):
+        if stored.get(part) != game.get(part):
+            raise RunError(
+                f"{run_dir} was trained with {part}={stored.get(part)}: make the environment with "
+                f"the same, not with {part}={game.get(part)}"
+            )
     installed = versions()
     others = [
         f"{name} {version} (here {installed.get(name)})"

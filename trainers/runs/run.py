@@ -141,13 +141,12 @@ def _place_stages(
     run_dir: Path, stages: Sequence[Stage], manifests: Sequence[dict[str, Any]]
 ) -> list[RunStage]:
     """Returns the stages of a run in their folders, in order."""
-    if len(stages) == 1:
-        return [RunStage(stages[0].env, stages[0].config, run_dir, manifests[0])]
     before: RunStage | None = None
     run_stages = []
     for number, (stage, manifest) in enumerate(zip(stages, manifests, strict=True), 1):
         folder = run_dir if number == len(stages) else run_dir / STAGES / str(number)
-        before = RunStage(stage.env, stage.config, folder, manifest, number, before)
+        shown = number if len(stages) > 1 else 0
+        before = RunStage(stage.env, stage.config, folder, manifest, shown, before)
         run_stages.append(before)
     return run_stages
 

@@ -1,6 +1,7 @@
 """Names seeds in sentences, so that what is true of several of them is said once."""
 
 from collections.abc import Hashable, Iterable
+from itertools import groupby
 from typing import TypeVar
 
 Said = TypeVar("Said", bound=Hashable)
@@ -8,18 +9,14 @@ Said = TypeVar("Said", bound=Hashable)
 
 def seeds_in_words(seeds: Iterable[int]) -> str:
     """Returns `seed 3`, `seeds 0 and 1`, or `seeds 0 to 4, 7 and 9`."""
-    ranges: list[list[int]] = []  # the first and the last of consecutive seeds
-    for seed in sorted(seeds):
-        if ranges and seed == ranges[-1][1] + 1:
-            ranges[-1][1] = seed
-        else:
-            ranges.append([seed, seed])
     parts: list[str] = []
-    for first, last in ranges:
-        if last - first < 2:
-            parts += map(str, range(first, last + 1))
+    # consecutive seeds differ by as much as their positions
+    for _, pairs in groupby(enumerate(sorted(seeds)), lambda pair: pair[1] - pair[0]):
+        consecutive = [seed for _, seed in pairs]
+        if len(consecutive) > 2:
+            parts.append(f"{consecutive[0]} to {consecutive[-1]}")
         else:
-            parts.append(f"{first} to {last}")
+            parts += map(str, consecutive)
     *before, end = parts
     if before:
         return f"seeds {', '.join(before)} and {end}"

@@ -22,7 +22,7 @@ from ..policies.loading import Policy, trained_policy
 from ..settings.config import Config
 from .checkpoint_pace import CheckpointPace
 from .compiled import Compiled, NoMemoryError
-from .learning_signs import said_once
+from .learning_signs import is_due, said_once
 from .metric_rows import flatten_metrics, mean_row
 from .metrics_files import Row
 from .progress import Show
@@ -100,9 +100,7 @@ class Loop:
         config = self.stage.config
         last = time.perf_counter()
         began = last - max((recorder.history.seconds for recorder in self.recorders), default=0.0)
-        leaves = jax.tree.leaves(self.state)
-        num_bytes = sum(leaf.size * leaf.dtype.itemsize for leaf in leaves)
-        pace = CheckpointPace(config, num_bytes, last)
+        pace = CheckpointPace(config, last)
         while self.updates < config.num_updates and not self.stopped:
             rows = self._update(began, last)
             self._record(rows)
@@ -115,7 +113,6 @@ class Loop:
             if any_process(pace.is_due(self.updates, now)):
                 self._save()
                 pace.written(now, time.perf_counter())
-                self.saved = self.updates
             if any_process(bool(signals)):
                 if signal.SIGTERM in signals:
                     raise Terminated
@@ -210,6 +207,7 @@ class Loop:
         for index, recorder in self._recording():
             recorder.store(self._parameters(index), self.updates, "last")
         self.save(self.updates, self.state)
+        self.saved = self.updates
 
     def _summary(self, rows: Sequence[Row]) -> tuple[Row, list[str]]:
         """Returns the mean row of the seeds that learn, and the warnings that are due.
@@ -221,7 +219,7 @@ class Loop:
         for index, recorder in self._recording():
             history = recorder.history
             shown.append(rows[index] | {"before_learning": history.signs.before_learning})
-            if history.is_judged:
+            if is_due(self.updates, self.stage.config):
                 warnings[recorder.seed] = history.warnings
         return mean_row(shown), said_once(warnings)
 

@@ -44,7 +44,7 @@ __all__ = ["Config", "ConfigError", "PPOConfig", "VDNConfig", "make_config"]
 MOST_SEEDS = 2**16  # in one run; each has a folder
 TO_ACT: tuple[Kind, ...] = ("algorithm", "network")  # the hooks that acting alone uses
 # JAX uses the lower 32 bits of a seed, so a larger one would repeat the run of a smaller one.
-SEEDS = 2**32
+LARGEST_SEED = 2**32 - MOST_SEEDS
 
 
 class Source(NamedTuple):
@@ -181,6 +181,7 @@ def _policy_name(value: Any, info: ValidationInfo) -> Any:
 Count = Annotated[PositiveInt, Field(le=2**53), BeforeValidator(_whole_number)]
 CountOrZero = Annotated[NonNegativeInt, BeforeValidator(_whole_number)]
 Fraction = Annotated[float, Field(ge=0.0, le=1.0)]
+PositiveFraction = Annotated[float, Field(gt=0.0, le=1.0)]
 Angles = Annotated[
     tuple[Annotated[float, Field(ge=-180.0, le=180.0)], ...],
     Field(min_length=1),
@@ -226,7 +227,7 @@ class Config(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 
     algorithm: str
-    seed: CountOrZero = 0
+    seed: Annotated[CountOrZero, Field(le=LARGEST_SEED)] = 0
     # runs side by side, with seeds `seed`, `seed` + 1 and so on
     seeds: Annotated[Count, Field(le=MOST_SEEDS)] = 1
     # environment steps of each seed, rounded up to whole updates
@@ -283,7 +284,7 @@ class Config(BaseModel):
     # at least, between two checkpoints
     checkpoint_minutes: Annotated[NonNegativeFloat, BY_TIME] = 10.0
     # the largest share of time spent on writing checkpoints
-    checkpoint_share: Annotated[float, Field(gt=0.0, le=1.0), BY_TIME] = 0.05
+    checkpoint_share: Annotated[PositiveFraction, BY_TIME] = 0.05
     # instead: updates between checkpoints, however long writing takes; 0: by time
     checkpoint_updates: CountOrZero = 0
     policy_every: CountOrZero = 0  # updates between numbered policies; 0: a twentieth of the run
@@ -302,23 +303,11 @@ class Config(BaseModel):
             faults = {fault["loc"][:1]: fault for fault in reversed(error.errors())}
             sentences = [sentence_of(fault, cls.model_fields, KEYS_OF) for fault in faults.values()]
             raise ConfigError("\n".join(reversed(sentences))) from None
-        config._refuse_large_seeds()
         asked = config.model_fields_set
         if info.context is not None and info.context.asked is not None:
             asked = info.context.asked
         config._refuse_unread(asked, _is_stored(info))
         return config
-
-    def _refuse_large_seeds(self) -> None:
-        """Raises ConfigError if the last seed has more than 32 bits."""
-        last = self.seed + self.seeds - 1
-        if last < SEEDS:
-            return
-        several = f"; with seeds = {self.seeds} the last is {last}" if self.seeds > 1 else ""
-        raise ConfigError(
-            f"`seed` must be below 2^32 = {SEEDS}, as random keys have 32 bits, "
-            f"not {self.seed}{several}"
-        )
 
     def _refuse_unread(self, asked: Collection[str], stored: bool) -> None:
         """Raises ConfigError for settings that the user has set but nothing uses.
@@ -465,14 +454,14 @@ class VDNConfig(Config):
     double_q: Annotated[bool, BUFFER] = False
     target_update_every: Annotated[Count, BUFFER] = 10  # updates
     # how far the target moves towards the network
-    target_rate: Annotated[float, Field(gt=0.0, le=1.0), BUFFER] = 1.0
+    target_rate: Annotated[PositiveFraction, BUFFER] = 1.0
     num_epochs: Annotated[Count, ROLLOUT] = 1
     num_minibatches: Annotated[Count, ROLLOUT] = 8
     q_lambda: Annotated[Fraction, ROLLOUT] = 0.9  # weight of longer returns
     epsilon_start: Fraction = 1.0
     epsilon_end: Fraction = 0.05
     # of the run, until epsilon_end is reached
-    epsilon_fraction: Annotated[float, Field(gt=0.0, le=1.0)] = 0.1
+    epsilon_fraction: PositiveFraction = 0.1
 
 
 CLASSES: Mapping[str, type[Config]] = {"ippo": PPOConfig, "mappo": PPOConfig, "vdn": VDNConfig}

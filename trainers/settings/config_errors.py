@@ -27,37 +27,37 @@ EXPECTED: Mapping[str, str] = {
 
 # What other libraries call a setting: CleanRL, Stable-Baselines3, RLlib, PureJaxRL, JaxMARL.
 SYNONYMS: Mapping[str, str] = {
-    **dict.fromkeys(("lr", "step_size", "alpha"), "learning_rate"),
-    **dict.fromkeys(("anneal_lr", "lr_decay", "lr_schedule"), "anneal_learning_rate"),
-    **dict.fromkeys(("ent_coef", "ent_coeff", "ent_weight", "entropy"), "entropy_coefficient"),
-    **dict.fromkeys(("vf_coef", "vf_coeff", "vf_loss_coeff", "critic_coef"), "value_coefficient"),
-    **dict.fromkeys(("clip", "clip_eps", "clip_param", "clip_range", "clip_coef"), "clip_epsilon"),
-    **dict.fromkeys(("clip_vloss", "clip_range_vf", "vf_clip_param"), "clip_value_loss"),
-    **dict.fromkeys(("discount", "discount_factor", "discount_rate"), "gamma"),
-    **dict.fromkeys(("gae", "lam", "lambda", "lambda_"), "gae_lambda"),
-    **dict.fromkeys(("epochs", "update_epochs", "k_epochs", "ppo_epochs"), "num_epochs"),
-    **dict.fromkeys(("batch_size", "minibatch_size", "mini_batches"), "num_minibatches"),
-    **dict.fromkeys(("rollout_length", "unroll_length", "horizon", "n_step"), "num_steps"),
-    **dict.fromkeys(("envs", "environments", "parallel_envs", "num_workers"), "num_envs"),
-    **dict.fromkeys(("steps", "timesteps", "max_steps", "total_steps"), "total_timesteps"),
-    **dict.fromkeys(("grad_clip", "clip_grad", "clip_grad_norm"), "max_gradient_norm"),
-    **dict.fromkeys(("eps", "adam_eps", "opt_eps"), "adam_epsilon"),
-    **dict.fromkeys(("hidden_size", "hidden_dim", "hidden_units", "width"), "network_width"),
-    **dict.fromkeys(("parameter_sharing", "share_params", "share_parameters"), "sharing"),
-    **dict.fromkeys(("rnn", "lstm", "gru", "recurrent"), "memory"),
-    **dict.fromkeys(("tau", "polyak"), "target_rate"),
-    **dict.fromkeys(("target_update_interval", "target_network_frequency"), "target_update_every"),
-    **dict.fromkeys(("exploration_fraction", "eps_decay"), "epsilon_fraction"),
-    **dict.fromkeys(("replay_size", "memory_size"), "buffer_size"),
+    "learning_rate": "lr step_size alpha",
+    "anneal_learning_rate": "anneal_lr lr_decay lr_schedule",
+    "entropy_coefficient": "ent_coef ent_coeff ent_weight entropy",
+    "value_coefficient": "vf_coef vf_coeff vf_loss_coeff critic_coef",
+    "clip_epsilon": "clip clip_eps clip_param clip_range clip_coef",
+    "clip_value_loss": "clip_vloss clip_range_vf vf_clip_param",
+    "gamma": "discount discount_factor discount_rate",
+    "gae_lambda": "gae lam lambda lambda_",
+    "num_epochs": "epochs update_epochs k_epochs ppo_epochs",
+    "num_minibatches": "batch_size minibatch_size mini_batches",
+    "num_steps": "rollout_length unroll_length horizon n_step",
+    "num_envs": "envs environments parallel_envs num_workers",
+    "total_timesteps": "steps timesteps max_steps total_steps",
+    "max_gradient_norm": "grad_clip clip_grad clip_grad_norm",
+    "adam_epsilon": "eps adam_eps opt_eps",
+    "network_width": "hidden_size hidden_dim hidden_units width",
+    "sharing": "parameter_sharing share_params share_parameters",
+    "memory": "rnn lstm gru recurrent",
+    "target_rate": "tau polyak",
+    "target_update_every": "target_update_interval target_network_frequency",
+    "epsilon_fraction": "exploration_fraction eps_decay",
+    "buffer_size": "replay_size memory_size",
 }
 
 
 def synonym(key: str, known: Container[str]) -> str:
     """Returns the end of a message about a key that another library has for a known one, else ""."""
-    name = SYNONYMS.get(key)
-    if name is None or name not in known:
-        return ""
-    return f"; did you mean `{name}`?"
+    for name, synonyms in SYNONYMS.items():
+        if key in synonyms.split() and name in known:
+            return f"; did you mean `{name}`?"
+    return ""
 
 
 def meant_key(key: str, known: Collection[str]) -> str:

@@ -41,7 +41,6 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from importlib.resources import files
 from pathlib import Path
-from types import UnionType
 from typing import Any, get_args
 
 from sjdsl.files import MEGABYTE, read_bytes
@@ -52,9 +51,13 @@ from .extensions import Algorithm, RewardMode
 from .own_settings import OWN, flatten_own
 from .stage_settings import STAGES, check_settings
 
-Kind = type | UnionType  # of a value
-FOR_ANY = {"environment": dict, "config": dict, "algorithm": dict, "reward": dict}
-ENVIRONMENT = {
+# The keys of a table, each with the type of its value; where that may be a table, or a list of
+# tables, with the keys of these too. `ANY` stands for all other keys.
+Schema = Mapping[str, Any]
+ANY = "*"
+REWARDS: Schema = dict.fromkeys(get_args(RewardMode), dict)
+FOR_ALGORITHM: Schema = {"reward": (object, REWARDS), ANY: object}
+ENVIRONMENT: Schema = {
     "variant": str,
     "map": str,
     "num_agents": int,
@@ -63,11 +66,22 @@ ENVIRONMENT = {
     "split": str,
     "problem": int,
 }
-FOR_A_GAME = {**FOR_ANY, STAGES: list}
-SECTIONS = {"extends": str, "game": str, "only_listed": bool, "games": dict, **FOR_A_GAME}
-NAMES = {"algorithm": get_args(Algorithm), "reward": get_args(RewardMode)}
+FOR_ANY: Schema = {
+    "environment": (dict, ENVIRONMENT),
+    "config": dict,
+    "algorithm": (dict, dict.fromkeys(get_args(Algorithm), (dict, FOR_ALGORITHM))),
+    "reward": (dict, REWARDS),
+}
+FOR_A_GAME: Schema = {**FOR_ANY, STAGES: (list, FOR_ANY)}
+SECTIONS: Schema = {
+    "extends": str,
+    "game": str,
+    "only_listed": bool,
+    "games": (dict, {ANY: (dict, FOR_A_GAME)}),
+    **FOR_A_GAME,
+}
 LARGEST = MEGABYTE  # bytes of a preset's file
-MEANS: dict[Kind, str] = {
+MEANS: Mapping[Any, str] = {
     str: "text",
     int: "a whole number",
     bool: "true or false",
@@ -206,18 +220,15 @@ def _resolve(
     return Preset(game, environment, config, left_out, frozenset(unread))
 
 
-def _names_in(stage: Mapping[str, Any]) -> Iterator[str]:
-    """Yields what a stage sets: keys of the configuration and environment, and `param.X`."""
-    environment = stage.get("environment", {})
-    yield from environment.keys() - {"params"}
-    yield from (f"param.{name}" for name in environment.get("params", {}))
-    tables = [stage.get("config", {}), *stage.get("reward", {}).values()]
-    for of_algorithm in stage.get("algorithm", {}).values():
-        tables += [of_algorithm, *_reward_tables(of_algorithm).values()]
-    for table in tables:
-        yield from (
-            name for name, value in flatten_own(table).items() if not isinstance(value, dict)
-        )
+def _names_in(tables: Mapping[str, Any]) -> Iterator[str]:
+    """Yields what the tables of a stage set: arguments of the environment, `param.X` and settings."""
+    for name, value in flatten_own(tables).items():
+        if name == "params":
+            yield from (f"param.{param}" for param in value)
+        elif isinstance(value, dict) and name != "tasks":
+            yield from _names_in(value)
+        else:
+            yield name
 
 
 def _read_content(name: str | Path, extended_by: tuple[str | Path, ...] = ()) -> dict[str, Any]:
@@ -234,12 +245,7 @@ def _read_content(name: str | Path, extended_by: tuple[str | Path, ...] = ()) ->
         raise ConfigError(f"{name}: {error}") from None
     except RecursionError:
         raise ConfigError(f"{name}: it is nested too deep") from None
-    _check_tables(content, SECTIONS, str(name), f"{name}: ")
-    games = content.get("games", {})
-    any_name = dict.fromkeys(games, dict)  # any game may have a table, but only a table
-    _check(games, any_name, f"{name}: games")
-    for game, tables in games.items():
-        _check_tables(tables, FOR_A_GAME, f"{name}: games.{game}", f"{name}: games.{game}.")
+    _check(content, SECTIONS, f"{name}: ")
     if "extends" not in content:
         return content
     extended = content["extends"]
@@ -273,10 +279,11 @@ def _merge_settings(
     for tables in layers:
         for_all |= tables.get("config", {})
     for_all |= changes
-    algorithm = _name_in(for_all, "algorithm", "ippo")
+    # The configuration refuses what isn't text.
+    algorithm = str(for_all.get("algorithm", "ippo"))
     if algorithm not in KEYS_OF:
         algorithm = "ippo"  # whose settings a user's own algorithm has
-    reward = _name_in(for_all, "reward", KEYS_OF[algorithm]["reward"].default)
+    reward = str(for_all.get("reward", KEYS_OF[algorithm]["reward"].default))
     values: dict[str, Any] = {}
     for tables in layers:
         for table in _tables_for(algorithm, reward, tables):
@@ -287,55 +294,33 @@ def _merge_settings(
 def _tables_for(algorithm: str, reward: str, tables: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
     """Yields the settings for all runs, for the algorithm, for the reward and for both together."""
     of_algorithm = tables.get("algorithm", {}).get(algorithm, {})
-    of_rewards = _reward_tables(of_algorithm)
+    of_rewards = of_algorithm.get("reward")
+    if not isinstance(of_rewards, dict):  # but which reward to train with
+        of_rewards = {}
     yield tables.get("config", {})
     yield {key: value for key, value in of_algorithm.items() if value is not of_rewards}
     yield tables.get("reward", {}).get(reward, {})
     yield of_rewards.get(reward, {})
 
 
-def _name_in(values: Mapping[str, Any], key: str, default: str) -> str:
-    """Returns the name in a value; the configuration refuses what is none."""
-    value = values.get(key, default)
-    return value if isinstance(value, str) else default
+def _check(tables: Mapping[str, Any], schema: Schema, place: str) -> None:
+    """Raises ConfigError for an unknown key, or a value of the wrong type.
 
-
-def _reward_tables(of_algorithm: Mapping[str, Any]) -> dict[Any, Any]:
-    """Returns the tables of rewards in that of an algorithm, whose key `reward` may be a value."""
-    tables = of_algorithm.get("reward")
-    return tables if isinstance(tables, dict) else {}
-
-
-def _check_tables(
-    tables: Mapping[str, Any], known: Mapping[str, Kind], where: str, of_stages: str = ""
-) -> None:
-    """Raises ConfigError for an unknown key, a value of the wrong type, or a stage with either.
-
-    Args:
-      where: in messages, the place of the tables.
-      of_stages: what comes before `stages` there.
+    place: of the tables, for messages: `mine.toml: ` or `mine.toml: games.coins.`.
     """
-    _check(tables, known, where)
-    _check(tables.get("environment", {}), ENVIRONMENT, f"{where}: environment")
-    for section, names in NAMES.items():
-        _check(tables.get(section, {}), dict.fromkeys(names, dict), f"{where}: {section}")
-    for algorithm, values in tables.get("algorithm", {}).items():
-        rewards = dict.fromkeys(NAMES["reward"], dict)
-        _check(_reward_tables(values), rewards, f"{where}: algorithm.{algorithm}.reward")
-    for number, stage in enumerate(tables.get(STAGES, ()), 1):
-        place = f"{of_stages}{STAGES}[{number}]"
-        if not isinstance(stage, dict):
-            raise ConfigError(f"{place} must be a table, not {stage!r}")
-        _check_tables(stage, FOR_ANY, place)
-
-
-def _check(tables: Mapping[str, Any], known: Mapping[str, Kind], where: str) -> None:
-    """Raises ConfigError for an unknown key, or a value of the wrong type."""
     for key, value in tables.items():
-        if key not in known:
-            raise ConfigError(f"{where}: unknown key `{key}`{meant(key, known, 'the keys are')}")
-        if not isinstance(value, known[key]):
-            raise ConfigError(f"{where}: `{key}` must be {MEANS[known[key]]}, not {value!r}")
+        kind = schema.get(key, schema.get(ANY))
+        where = place.rstrip(".: ")
+        if kind is None:
+            raise ConfigError(f"{where}: unknown key `{key}`{meant(key, schema, 'the keys are')}")
+        wanted, inner = kind if isinstance(kind, tuple) else (kind, {ANY: object})
+        if not isinstance(value, wanted):
+            raise ConfigError(f"{where}: `{key}` must be {MEANS[wanted]}, not {value!r}")
+        if isinstance(value, dict):
+            _check(value, inner, f"{place}{key}.")
+        elif wanted is list:
+            numbered = {f"{key}[{number}]": table for number, table in enumerate(value, 1)}
+            _check(numbered, {ANY: (dict, inner)}, place)
 
 
 def _read(name: str | Path) -> str:

@@ -21,6 +21,7 @@ SHAPING_NETWORKS = (
     "agent_id",
     "sharing",
     "critic",
+    "normalise_values",
     "memory",
     "memory_reads",
     "partners",
