@@ -14,6 +14,10 @@ from gymnasium.utils.env_checker import check_env
 
 import sjdsl
 from sjdsl.interop.gymnasium import AgentGame, environment_id
+from sjdsl.trainers import PPOConfig, load_policy
+from sjdsl.trainers.policies.loading import parameter_shapes
+from sjdsl.trainers.policies.policy_file import write_policy
+from sjdsl.trainers.runs.run_folder import describe_game
 
 LENGTH = 12
 SHORT = {"params": {"length": LENGTH}}
@@ -83,6 +87,41 @@ def test_a_step_is_the_games_own() -> None:
         collected += info["own_coins"]
     assert collected > 0
     assert len({tuple(actions) for actions in played}) > 10
+
+
+def test_others_may_be_a_stored_policy(tmp_path: Path) -> None:
+    """It acts as it does elsewhere: the same key and tokens, the same actions."""
+    game, config = sjdsl.make("coins", params={"length": LENGTH}), PPOConfig()
+    shapes = parameter_shapes(game, config)
+    drawn = jax.tree.map(
+        lambda leaf: np.random.default_rng(leaf.size).normal(0, 0.1, leaf.shape).astype(leaf.dtype),
+        shapes,
+    )
+    stored = tmp_path / "run/policies/last.safetensors"
+    write_policy(
+        stored,
+        drawn,
+        {
+            "game": describe_game(game),
+            "config": config.model_dump(mode="json"),
+            "update": 0,
+            "env_steps": 0,
+            "seed": 0,
+        },
+    )
+    env = AgentGame("coins", others=tmp_path / "run", **SHORT)
+    env.reset(seed=1)
+    for number in range(4):
+        key, state = env._key, env._state
+        env.step(6)
+        _, others_key, step_key = jax.random.split(key, 3)
+        actions = load_policy(stored, game)(others_key, game.observe(state)).at[0].set(6)
+        _, after, *_ = game.step_env(step_key, state, actions)
+        assert jax.tree.all(jax.tree.map(jnp.array_equal, after, env._state)), number
+    assert (
+        AgentGame("coins", others=str(stored), **SHORT).reset(seed=1)[0].shape
+        == env.observation_space.shape
+    )
 
 
 PROCESSES = """

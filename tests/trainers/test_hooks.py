@@ -297,10 +297,12 @@ def test_a_run_starts_from_a_policy_and_keeps_a_copy(
         match=r"can't start from .*last\.safetensors, whose networks differ: .*network_width = 16 there and 8 here",
     ):
         make_train(matching(), make_config(alike | {"init_from": str(source), "network_width": 8}))
-    with pytest.raises(ConfigError, match="normalise_values = False there and True here"):
-        make_train(
-            matching(), make_config(alike | {"init_from": str(source), "normalise_values": True})
-        )
+    scaled = make_train(
+        matching(), make_config(alike | {"init_from": str(source), "normalise_values": True})
+    )
+    assert "deviation" in scaled.parameters(scaled.init(jax.random.key(3)))["params"]["critic"], (
+        "a critic without a scale gets one"
+    )
     with pytest.raises(PolicyError, match="random is not the folder of a training run"):
         make_train(matching(), make_config(alike | {"init_from": "random"}))
 

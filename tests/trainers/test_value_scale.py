@@ -13,6 +13,7 @@ from sjdsl.trainers.networks.actor_critics import make_actor_critics
 from sjdsl.trainers.networks.value_scale import (
     LEAST_VARIANCE,
     RATE,
+    converted,
     follow_targets,
     value_unit,
 )
@@ -76,3 +77,17 @@ def test_values_are_learnt_in_the_games_scale() -> None:
     ]
     assert moments
     assert all(not np.asarray(leaf).any() for leaf in moments)
+
+
+@pytest.mark.parametrize("sharing", ["shared", "per_agent"])
+def test_parameters_are_converted_both_ways(sharing: str) -> None:
+    plain, parameters = first_network(sharing=sharing)
+    scaled, _ = first_network(**NORMALISED, sharing=sharing)
+    with_moments = converted(parameters, normalised=True)
+    moved = jax.jit(follow_targets)(with_moments, jnp.array([10.0, 30.0]), jnp.bool_(True))
+    wanted = values_of(plain, parameters)
+    np.testing.assert_allclose(values_of(scaled, moved), wanted, atol=1e-5)
+    np.testing.assert_allclose(
+        values_of(plain, converted(moved, normalised=False)), wanted, atol=1e-5
+    )
+    assert converted(parameters, normalised=False) is parameters

@@ -49,4 +49,27 @@ def follow_targets(parameters: Any, target: Array, first: Array) -> Any:
         "bias": (critic["out"]["bias"] * deviation + mean - new_mean) / new_deviation,
     }
     moved = {**critic, "out": out, "mean": new_mean, "deviation": new_deviation}
-    return {**parameters, "params": {**parameters["params"], "critic": moved}}
+    return with_critic(parameters, moved)
+
+
+def converted(parameters: Any, normalised: bool) -> Any:
+    """Returns the parameters of networks, stacked or not, with or without moments; values stay."""
+    critic = parameters["params"]["critic"]
+    if normalised == ("deviation" in critic):
+        return parameters
+    kernel = critic["out"]["kernel"]
+    bias = critic["out"]["bias"]
+    if normalised:
+        shape = kernel.shape[:-2]
+        moments = {"mean": jnp.zeros(shape), "deviation": jnp.ones(shape)}
+        return with_critic(parameters, {**critic, **moments})
+    mean = critic["mean"][..., None]
+    deviation = critic["deviation"][..., None]
+    rest = {name: part for name, part in critic.items() if name not in ("mean", "deviation")}
+    out = {"kernel": kernel * deviation[..., None], "bias": bias * deviation + mean}
+    return with_critic(parameters, {**rest, "out": out})
+
+
+def with_critic(parameters: Any, critic: Any) -> Any:
+    """Returns the parameters of a network with others for its critic's head."""
+    return {**parameters, "params": {**parameters["params"], "critic": critic}}

@@ -36,6 +36,7 @@ from ..networks.action_values import best_action, explore, make_action_values
 from ..networks.actor_critics import make_actor_critics
 from ..networks.masks import masked, wants_masks
 from ..networks.teams import learning_agents
+from ..networks.value_scale import converted
 from ..settings.config import Config, ConfigError, PPOConfig, VDNConfig
 from ..settings.extensions import find, is_own
 from ..settings.policy_names import split_name, unknown_policy
@@ -312,12 +313,16 @@ def load_parameters(name: str, env: Environment, config: Config) -> Any:
     """
     file = policy_path(*split_name(name))
     parameters, described = read_parameters(file, env)
+    stored = described.config
+    is_own_algorithm = "algorithm" in config.hooks
+    if isinstance(config, PPOConfig) and isinstance(stored, PPOConfig) and not is_own_algorithm:
+        parameters = converted(parameters, config.normalise_values)
     wanted = jax.tree.map(lambda leaf: leaf.shape, parameter_shapes(env, config))
     if jax.tree.map(jnp.shape, parameters) == wanted:
         return parameters
     differences = []
     for setting in SHAPING_NETWORKS:
-        there = getattr(described.config, setting, "none")
+        there = getattr(stored, setting, "none")
         here = getattr(config, setting, "none")
         if there != here:
             differences.append(f"{setting} = {there} there and {here} here")

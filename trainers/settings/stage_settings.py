@@ -21,7 +21,6 @@ SHAPING_NETWORKS = (
     "agent_id",
     "sharing",
     "critic",
-    "normalise_values",
     "memory",
     "memory_reads",
     "partners",
