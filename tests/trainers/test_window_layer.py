@@ -1,6 +1,4 @@
-"""The first layer of windows is `nn.Dense` on their channels, uniform ones divided by the side,
-whether rows are looked up or multiplied.
-"""
+"""The first layer of windows is `nn.Dense` on their channels, whether rows are looked up or multiplied."""
 
 import flax.linen as nn
 import jax
@@ -35,10 +33,10 @@ class Plain(nn.Module):
 
     @nn.compact
     def __call__(self, tokens: Array) -> Array:
-        channels = to_channels(tokens, PLANES, self.dtype, scale_numbers=True)
-        shares = [0.2 if plane.uniform else 1.0 for plane in PLANES for _ in plane.channels]
-        weighed = channels * jnp.array(shares, self.dtype)[:, None, None]
-        return nn.Dense(WIDTH, dtype=self.dtype)(weighed.reshape(*tokens.shape[:-3], -1))
+        channels = to_channels(tokens, PLANES, self.dtype, scale_numbers=True).reshape(
+            *tokens.shape[:-3], -1
+        )
+        return nn.Dense(WIDTH, dtype=self.dtype)(channels)
 
 
 class Ours(nn.Module):

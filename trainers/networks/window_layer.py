@@ -33,13 +33,9 @@ Linear = Callable[[Array, Array], Array]  # of an array and of windows; linear i
 
 
 class WindowLayer(nn.Module):
-    """A dense layer on the channels of windows, those of uniform planes divided by the side V.
+    """A dense layer on the channels of windows.
 
-    Undivided, the V * V weights of such a channel would move together in each step of an optimiser,
-    and outweigh what differs between cells: agents that see their heading learnt less reliably
-    (docs/research/training.md). Divided, the channel begins with the weight of one cell.
-
-    The layer has the parameters, and their names, of `nn.Dense` on those channels.
+    It has the parameters, and their names, of `nn.Dense` on those channels.
     """
 
     width: int
@@ -64,17 +60,14 @@ def _num_inputs(tokens: Array, planes: Planes) -> int:
 
 
 def _weigh_once(kernel: Array, tokens: Array, planes: Planes, dtype: Any) -> Array:
-    """Computes `weigh` with uniform planes, divided by the side of windows, as one cell.
-
-    Its rows are the sums over all cells.
-    """
+    """Computes `weigh` with uniform planes as one cell, whose rows are the sums over all cells."""
     uniform = [place for place, plane in enumerate(planes) if plane.uniform]
     if not uniform:
         return weigh(kernel.astype(dtype), tokens, planes)
     local = [place for place, plane in enumerate(planes) if not plane.uniform]
     width = kernel.shape[-1]
-    side = tokens.shape[-1]
-    rows = rows_by_plane(kernel.reshape(-1, side * side, width), planes)
+    num_cells = math.prod(tokens.shape[2:])
+    rows = rows_by_plane(kernel.reshape(-1, num_cells, width), planes)
     local_rows = jnp.concatenate([rows[place] for place in local])
     by_cell = local_rows.reshape(-1, width).astype(dtype)
     summed = jnp.concatenate([rows[place].sum(axis=1) for place in uniform]).astype(dtype)
@@ -82,7 +75,7 @@ def _weigh_once(kernel: Array, tokens: Array, planes: Planes, dtype: Any) -> Arr
     uniform_planes = tuple(planes[place] for place in uniform)
     one_cell = _taken(tokens[:, :, :1, :1], uniform)
     once = to_channels(one_cell, uniform_planes, dtype, scale_numbers=True)[:, :, 0, 0]
-    return weigh(by_cell, _taken(tokens, local), local_planes) + (once / side) @ summed
+    return weigh(by_cell, _taken(tokens, local), local_planes) + once @ summed
 
 
 def _taken(tokens: Array, places: list[int]) -> Array:
