@@ -1,4 +1,4 @@
-"""Hostile texts: each gives one clear message, never a traceback, in less than two seconds."""
+"""Hostile texts: each gives one clear message, never a traceback, within seconds."""
 
 import gc
 import os

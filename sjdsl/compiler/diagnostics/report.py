@@ -189,17 +189,18 @@ def _cut(line: str, marks: list[Mark], room: int) -> tuple[str, list[int]]:
 
     Of a long line it shows the part around the marks.
     """
-    texts, columns = _in_columns(line)
-    if columns[-1] <= room:
-        return "".join(texts), columns
     first = min(mark.start for mark in marks)
     last = min(max(mark.end for mark in marks), len(line))
+    near = line[: last + room + 1]  # what follows isn't shown, and may be megabytes
+    texts, columns = _in_columns(near)
+    if near == line and columns[-1] <= room:
+        return "".join(texts), columns
     begin = 0
     if columns[last] > room - 1:  # the last column is for an ellipsis
         begin = bisect_left(columns, min(columns[first] - BEFORE, columns[-1] - room + 1))
     left = "…" if begin else ""
     right_edge = columns[begin] + room - len(left)
-    end = len(line)
+    end = len(near)
     if columns[end] > right_edge:
         end = bisect_right(columns, right_edge - 1) - 1
     right = "…" if end < len(line) else ""
