@@ -37,8 +37,8 @@ class Talk:
     seconds: float
     time: str
     dollars: float
-    model: str = ""
-    role: str = ""
+    model: str
+    role: str
     format: Literal["sjdsl-talk-1"] = "sjdsl-talk-1"
 
 
