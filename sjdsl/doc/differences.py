@@ -104,7 +104,7 @@ def _properties(constant: ir.Size | ir.Param, written: Written) -> dict[str, str
     }
 
 
-def _entries(name: str, value: Any, by: tuple[ir.Level, ...]) -> dict[str, Any]:
+def _entries(name: str, value: Any, by: tuple[ir.IndexSet, ...]) -> dict[str, Any]:
     """Returns the entries of a number by their names, such as `spores[red][green]`."""
     if not by:
         return {name: value}

@@ -8,7 +8,7 @@ from itertools import compress
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.entity_types import Level
+from sjdsl.compiler.ir.entity_types import IndexSet
 from sjdsl.compiler.ir.printer import number_text
 
 Mark = Callable[[str], str]  # such as `code`; `str` leaves a word as it is
@@ -46,7 +46,7 @@ def counted(value: float, noun: str) -> str:
     return f"{number(value)} {noun}{'' if value == 1 else 's'}"
 
 
-def table_value(value: Any, by: Sequence[Level], mark: Mark = code) -> str:
+def table_value(value: Any, by: Sequence[IndexSet], mark: Mark = code) -> str:
     """Returns a value; of an indexed one, each entry: `raw: 3, cut: 1`. mark: makes words code."""
     if not by:
         return mark(value) if isinstance(value, str) else number(value)

@@ -198,13 +198,13 @@ def _entry(e: ir.At, instance: Instance) -> Value:
     """Returns the entry of a row at a key, or the mean of the entries weighted by a mix."""
     row = evaluate(e.row, instance)
     key = evaluate(e.key, instance)
-    level = e.row.type.indexed_by[0]
+    index_set = e.row.type.indexed_by[0]
     if e.key.type.kind != "mix":
-        return row[entry_place(level, key)]
+        return row[entry_place(index_set, key)]
     shares = dict(zip(e.key.type.words, key, strict=True))
     parts = [
         numbers.arithmetic("*", [shares[name], entry], is_real=True)
-        for name, entry in zip(level.names, row, strict=True)
+        for name, entry in zip(index_set.names, row, strict=True)
     ]
     return reduce(lambda total, part: numbers.arithmetic("+", [total, part], is_real=True), parts)
 
@@ -246,11 +246,11 @@ def _lowest(e: ir.Lowest, instance: Instance) -> str | int:
 
     With `last`, the last one.
     """
-    level = e.row.type.indexed_by[0]
-    entries = zip(level.names, evaluate(e.row, instance), strict=True)
-    names = [name for name, entry in entries if entry > 0] or level.names
+    index_set = e.row.type.indexed_by[0]
+    entries = zip(index_set.names, evaluate(e.row, instance), strict=True)
+    names = [name for name, entry in entries if entry > 0] or index_set.names
     name = names[-1] if e.last else names[0]
-    return int(name) if level.kind == "number" else name
+    return int(name) if index_set.kind == "number" else name
 
 
 def members_of(domain: ir.Domain, instance: Instance) -> list[Bound]:
@@ -491,13 +491,13 @@ def agents_in(value: Value) -> Iterable[int]:
     return frozenset() if value is None else frozenset({value})
 
 
-def entry_place(level: ir.Level, key: Value) -> int:
+def entry_place(index_set: ir.IndexSet, key: Value) -> int:
     """Returns the index of the entry of a key.
 
     The key is an enum value, a number of the range, or an agent.
     """
-    index = level.place_of(key)
-    assert 0 <= index < len(level), f"no entry for {key} in {level}"
+    index = index_set.place_of(key)
+    assert 0 <= index < len(index_set), f"no entry for {key} in {index_set}"
     return index
 
 

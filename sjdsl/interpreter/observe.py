@@ -222,7 +222,7 @@ def _build_expression(observable: ir.Observable, board: Board) -> ir.Expr:
         return field
     inner = declared.type.model_copy(update={"indexed_by": declared.type.indexed_by[1:]})
     key = ir.Word(
-        type=ir.Type(kind="word", words=observable.word.level.names), value=observable.word.name
+        type=ir.Type(kind="word", words=observable.word.index_set.names), value=observable.word.name
     )
     return ir.At(type=inner, row=field, key=key)
 

@@ -147,6 +147,6 @@ def field_value(declared: ir.VarField, value: int | float | str | None) -> Value
             result = frozenset()
         case _:
             result = value
-    for level in reversed(declared.type.indexed_by):
-        result = (result,) * len(level)
+    for index_set in reversed(declared.type.indexed_by):
+        result = (result,) * len(index_set)
     return result

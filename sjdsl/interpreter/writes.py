@@ -145,13 +145,13 @@ def slots(target: ir.Expr, value: Value, instance: Instance) -> list[tuple[Slot,
     """
     written = written_field(target)
     keys = written_keys(target)
-    levels = written.type.indexed_by
+    index_sets = written.type.indexed_by
     entries = tuple(
-        entry_place(level, evaluate(key, instance))
-        for level, key in zip(levels[: len(keys)], keys, strict=True)
+        entry_place(index_set, evaluate(key, instance))
+        for index_set, key in zip(index_sets[: len(keys)], keys, strict=True)
     )
     slot = Slot(written.name, _owner(written, instance), entries)
-    return _spread(slot, value, levels[len(keys) :])
+    return _spread(slot, value, index_sets[len(keys) :])
 
 
 def declaration(slot: Slot, board: Board) -> ir.VarField:
@@ -172,11 +172,13 @@ def _owner(target: ir.FieldRead, instance: Instance) -> tuple[str, int] | None:
     return instance.board.kind_of[owner], instance.board.number[owner]
 
 
-def _spread(slot: Slot, value: Value, levels: tuple[ir.Level, ...]) -> list[tuple[Slot, Value]]:
-    """Returns the entries of a slot over its further levels, each with its value."""
-    if not levels:
+def _spread(
+    slot: Slot, value: Value, index_sets: tuple[ir.IndexSet, ...]
+) -> list[tuple[Slot, Value]]:
+    """Returns the entries of a slot over its further index sets, each with its value."""
+    if not index_sets:
         return [(slot, value)]
-    first, *inner = levels
+    first, *inner = index_sets
     if not isinstance(value, tuple) or isinstance(value, Cell):
         value = (value,) * len(first)
     assert len(value) == len(first), slot

@@ -9,7 +9,7 @@ import numpy as np
 from sjdsl.compiler import ir
 from sjdsl.compiler.checks.whole_numbers import beyond_int32, boundary
 from sjdsl.compiler.diagnostics.limits import MAX_VALUE
-from sjdsl.compiler.ir.entity_types import Level
+from sjdsl.compiler.ir.entity_types import IndexSet
 from sjdsl.compiler.ir.names import param_attribute
 from sjdsl.compiler.ir.printer import expression_text, number_text
 from sjdsl.compiler.ir.values import holds
@@ -193,7 +193,7 @@ def _limit(game: ir.Game, values: Values, changes: Values) -> str:
     return f"with these parameters a whole number leaves 32 bits ({numbers})"
 
 
-def _merged(name: str, old: Any, value: Any, by: tuple[Level, ...], type_: ir.Type) -> Any:
+def _merged(name: str, old: Any, value: Any, by: tuple[IndexSet, ...], type_: ir.Type) -> Any:
     """Returns the checked value of a param, with the old entries that it leaves out.
 
     Args:
@@ -223,7 +223,7 @@ def _merged(name: str, old: Any, value: Any, by: tuple[Level, ...], type_: ir.Ty
     )
 
 
-def _entries_text(index: Level) -> str:
+def _entries_text(index: IndexSet) -> str:
     """Returns what the entries of an index are."""
     match index.kind:
         case "word":

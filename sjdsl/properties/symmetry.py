@@ -126,7 +126,7 @@ def _reads_number(node: ir.Node, entity_type: ir.EntityType) -> str:
         case ir.Attribute(name="index", owner=owner) if body_type(owner) == entity_type:
             return f"reads `{'agent' if entity_type == AGENTS else entity_type.name}.index`"
         case ir.ParamRef(name=name) if entity_type == AGENTS and any(
-            level.kind == "agent" for level in node.type.indexed_by
+            index_set.kind == "agent" for index_set in node.type.indexed_by
         ):
             return f"reads `{name}`, a table by agent"
         case _:

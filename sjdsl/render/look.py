@@ -559,8 +559,8 @@ def _carried_fields(
 def _possessions(fields: Sequence[ir.VarField], game: ir.Game) -> Iterator[FieldLook]:
     """Yields the fields that count what an agent has of each of several enum values."""
     for field in fields:
-        levels = [level.kind for level in field.type.indexed_by]
-        if field.type.kind in ("int", "real") and levels == ["word"]:
+        kinds = [index_set.kind for index_set in field.type.indexed_by]
+        if field.type.kind in ("int", "real") and kinds == ["word"]:
             words = field.type.indexed_by[0].names
             as_words = ir.Type(kind="word", words=("nothing", *words))
             things = ir.VarField(name=field.name, held_by=ir.EntityType("agent"), type=as_words)

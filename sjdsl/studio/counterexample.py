@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from sjdsl.compiler import Build, ir
-from sjdsl.compiler.ir.entity_types import Level
+from sjdsl.compiler.ir.entity_types import IndexSet
 from sjdsl.properties import GameFamily
 from sjdsl.properties.trajectory import Scenario, draws_of_start, play
 from sjdsl.studio.episode import LONGEST, Episode, TooLong, with_reward
@@ -97,7 +97,7 @@ def plain(value: Any) -> Any:
     return float(value) if isinstance(value, np.floating) else value
 
 
-def _fits(value: Any, by: Sequence[Level]) -> bool:
+def _fits(value: Any, by: Sequence[IndexSet]) -> bool:
     """Returns whether a value has an entry for each key of the indices of a param."""
     if not by:
         return True

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.entity_types import Level
+from sjdsl.compiler.ir.entity_types import IndexSet
 from sjdsl.interpreter.numbers import real
 
 INFINITE = 1e9  # a limit beyond it is none
@@ -39,7 +39,9 @@ def knobs(game: ir.Game, values: dict[str, Any]) -> list[dict[str, Any]]:
     return params
 
 
-def _entries(value: Any, written: Any, by: tuple[Level, ...], is_word: bool) -> Iterator[list[Any]]:
+def _entries(
+    value: Any, written: Any, by: tuple[IndexSet, ...], is_word: bool
+) -> Iterator[list[Any]]:
     """Yields `[keys, value, written]` for each entry of a param. by: its indices."""
     if by:
         for key, entry, written_entry in zip(by[0].keys, value, written, strict=True):
@@ -62,7 +64,7 @@ def with_entries(game: ir.Game, values: Mapping[str, Any], name: str, value: Any
     return value if param is None else _merged(values[name], param.type.indexed_by, value)
 
 
-def _merged(old: Any, by: tuple[Level, ...], new: Any) -> Any:
+def _merged(old: Any, by: tuple[IndexSet, ...], new: Any) -> Any:
     """Returns a new value with the old entries that it leaves out. by: the indices of both."""
     if not by or not isinstance(new, Mapping):
         return new
@@ -73,7 +75,7 @@ def _merged(old: Any, by: tuple[Level, ...], new: Any) -> Any:
     return merged
 
 
-def _as_mapping(value: Any, by: tuple[Level, ...]) -> Any:
+def _as_mapping(value: Any, by: tuple[IndexSet, ...]) -> Any:
     """Returns a value with its entries by key. by: its indices."""
     if not by:
         return value

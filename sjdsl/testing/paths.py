@@ -54,15 +54,17 @@ def find_field(game: ir.Game, text: str) -> FieldPath:
     if declared is None:
         raise ValueError(f"`{text}`: {_no_field(owner, name, owners, game.fields)}")
     keys = re.findall(r"-?\w+", brackets)
-    levels = declared.type.indexed_by
-    if len(keys) > len(levels):
-        indices = f"has {len(levels)} indices" if levels else "is one value, without an index"
+    index_sets = declared.type.indexed_by
+    if len(keys) > len(index_sets):
+        indices = (
+            f"has {len(index_sets)} indices" if index_sets else "is one value, without an index"
+        )
         raise ValueError(f"`{text}`: `{name}` {indices}")
     indices_of_keys = []
-    for key, level in zip(keys, levels[: len(keys)], strict=True):
-        if key not in level.keys:
-            raise ValueError(f"`{text}`: there is no entry `{key}`{meant(key, level.keys)}")
-        indices_of_keys.append(level.keys.index(key))
+    for key, index_set in zip(keys, index_sets[: len(keys)], strict=True):
+        if key not in index_set.keys:
+            raise ValueError(f"`{text}`: there is no entry `{key}`{meant(key, index_set.keys)}")
+        indices_of_keys.append(index_set.keys.index(key))
     return FieldPath(text, declared, tuple(indices_of_keys))
 
 

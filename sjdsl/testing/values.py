@@ -48,9 +48,9 @@ def from_author(name: str, written: Any, type_: ir.Type, agents: int, current: A
     return tuple(entries)
 
 
-def _keys(level: ir.Level) -> tuple[str, ...] | tuple[int, ...]:
+def _keys(index_set: ir.IndexSet) -> tuple[str, ...] | tuple[int, ...]:
     """Returns the keys of written entries: enum values, numbers, or numbers of agents."""
-    return level.names if level.kind == "word" else tuple(map(int, level.keys))
+    return index_set.names if index_set.kind == "word" else tuple(map(int, index_set.keys))
 
 
 def _single_from_author(name: str, written: Any, type_: ir.Type, agents: int) -> Any:

@@ -238,7 +238,7 @@ class _Player:
         ]
 
     def _field(self, field: ir.VarField, kind: ir.Kind | None) -> str:
-        by = "".join(f" for each {_entries(level)}" for level in field.type.indexed_by)
+        by = "".join(f" for each {_entries(index_set)}" for index_set in field.type.indexed_by)
         values = "a timer" if field.timer else _values(field.type)
         starts = self._starts(field, kind)
         return f"{field.name}{by} ({values}{starts})"
@@ -495,11 +495,11 @@ def _values(type_: ir.Type) -> str:
             assert_never(type_.kind)
 
 
-def _entries(level: ir.Level) -> str:
-    match level.kind:
+def _entries(index_set: ir.IndexSet) -> str:
+    match index_set.kind:
         case "agent":
             return "agent"
         case "number":
-            return f"number from {level.names[0]} to {level.names[-1]}"
+            return f"number from {index_set.names[0]} to {index_set.names[-1]}"
         case "word":
-            return f"of {joined(level.names)}"
+            return f"of {joined(index_set.names)}"

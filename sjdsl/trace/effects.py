@@ -125,7 +125,7 @@ def _owners(
 
 
 def _entries(
-    by: tuple[ir.Level, ...], old: Value, new: Value
+    by: tuple[ir.IndexSet, ...], old: Value, new: Value
 ) -> Iterator[tuple[tuple[int, ...], str, Value, Value]]:
     """Yields the entries of a field that differ: indices, their text (`[raw]`), both values."""
     if old == new:

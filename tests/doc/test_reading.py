@@ -16,7 +16,7 @@ def test_numbers_and_tables() -> None:
         "-3.5",
     ]
     assert (
-        table_value(((1, 0), (2, 3.5)), (ir.Level("word", ("raw", "cut")),) * 2)
+        table_value(((1, 0), (2, 3.5)), (ir.IndexSet("word", ("raw", "cut")),) * 2)
         == "`raw`: (`raw`: 1, `cut`: 0), `cut`: (`raw`: 2, `cut`: 3.5)"
     )
     assert table(("a", "b", "c"), [("|", "", "c"), ("", "", "")]) == [

@@ -5,7 +5,7 @@ from random import Random
 from typing import Any
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.entity_types import Level, level_of_agents, level_of_numbers
+from sjdsl.compiler.ir.entity_types import IndexSet, agent_indices, number_indices
 from sjdsl.runtime.actions import HEADINGS
 
 Lines = list[str]
@@ -57,7 +57,7 @@ class Shape:
 @dataclass(frozen=True)
 class Event:
     name: str
-    by: Level | None
+    by: IndexSet | None
     per_agent: bool
 
 
@@ -148,16 +148,16 @@ class World:
     def num_cells(self, kinds: tuple[str, ...]) -> int:
         return sum(self.kinds[k].cells for k in kinds)
 
-    def level(self) -> Level:
+    def level(self) -> IndexSet:
         """Returns what a row can be by: words, mostly, or the agents, or the numbers of a range."""
         sort = self.random.choice(("word", "word", "agent", "agent", "number"))
         if sort == "word":
-            return Level("word", self.random.choice(self.word_sets))
+            return IndexSet("word", self.random.choice(self.word_sets))
         low = self.random.choice((0, 0, 1, -1))
         return (
-            level_of_agents(self.agents)
+            agent_indices(self.agents)
             if sort == "agent"
-            else level_of_numbers(low, low + self.random.randint(0, 3))
+            else number_indices(low, low + self.random.randint(0, 3))
         )
 
     def words(self) -> list[tuple[str, ...]]:

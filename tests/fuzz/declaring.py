@@ -3,7 +3,7 @@
 from random import Random
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.entity_types import Level
+from sjdsl.compiler.ir.entity_types import IndexSet
 from sjdsl.compiler.ir.types import UNIT_LIMITS
 from tests.fuzz.acting import declare_actions
 from tests.fuzz.declared import Event, Field, Kind, Number, Shape, World
@@ -158,7 +158,7 @@ def param(w: World, name: str) -> Number:
             return made
         unit = "reward"
     by = tuple(
-        w.level() if not i and w.is_now(0.4) else Level("word", r.choice(w.word_sets))
+        w.level() if not i and w.is_now(0.4) else IndexSet("word", r.choice(w.word_sets))
         for i in range(levels)
     )
     said = f" by {by[0]}" if by and (by[0].kind != "word" or w.is_now(0.2)) else ""
@@ -197,7 +197,7 @@ def param(w: World, name: str) -> Number:
 def _words_param(w: World, name: str, table: bool) -> Number | None:
     """Returns a param whose values are words, if these are together in one set of words only: then that is its type."""
     r = w.random
-    by = (Level("word", r.choice(w.word_sets)),) if table else ()
+    by = (IndexSet("word", r.choice(w.word_sets)),) if table else ()
     words = r.choice(w.word_sets)
     given: list[str] = []
 
@@ -213,7 +213,7 @@ def _words_param(w: World, name: str, table: bool) -> Number | None:
     return Number(name, ir.Type(kind="word", words=words, indexed_by=by), text)
 
 
-def _table(w: World, by: tuple[Level, ...], value, said: bool = False) -> str:
+def _table(w: World, by: tuple[IndexSet, ...], value, said: bool = False) -> str:
     """Returns a table, or, where what it is by is said, perhaps one value for all, or some and `otherwise`."""
     if not by:
         return value()

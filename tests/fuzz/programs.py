@@ -11,7 +11,7 @@ from random import Random
 from hypothesis import strategies as st
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.entity_types import Level
+from sjdsl.compiler.ir.entity_types import IndexSet
 from sjdsl.runtime.actions import HEADINGS
 from tests.fuzz.acting import forbidden
 from tests.fuzz.checked import checks, metrics, observe
@@ -135,7 +135,7 @@ def requires(w: World) -> None:
         w.params.append(
             Number(
                 "dilemma",
-                ir.Type(kind="real", unit="reward", indexed_by=(Level("word", two[0]),) * 2),
+                ir.Type(kind="real", unit="reward", indexed_by=(IndexSet("word", two[0]),) * 2),
                 text,
             )
         )

@@ -3,7 +3,7 @@
 from math import inf
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.entity_types import Level
+from sjdsl.compiler.ir.entity_types import IndexSet
 from sjdsl.compiler.ir.operations import CALCULATIONS
 from sjdsl.compiler.ir.types import element, hull
 from tests.fuzz.reading import Scope, Typed
@@ -186,7 +186,7 @@ def entry(scope: Scope, row: Typed, depth: int) -> Typed | None:
     return text, type_
 
 
-def key_for(scope: Scope, level: Level, depth: int) -> str:
+def key_for(scope: Scope, level: IndexSet, depth: int) -> str:
     """Returns what an entry of a row can be asked for by here; empty if nothing can."""
     from tests.fuzz.conditions import somebody, word
 

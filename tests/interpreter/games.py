@@ -35,7 +35,7 @@ def number(value: int | float) -> ir.Number:
     return ir.Number(type=INT if isinstance(value, int) else REAL, value=value)
 
 
-def word_type(*words: str, by: tuple[ir.Level, ...] = ()) -> ir.Type:
+def word_type(*words: str, by: tuple[ir.IndexSet, ...] = ()) -> ir.Type:
     return ir.Type(kind="word", words=words, indexed_by=by)
 
 

@@ -8,7 +8,7 @@ from . import games as g
 
 RG = ("red", "green")
 COLOUR = g.word_type("none", *RG)
-BAG = ir.Type(kind="int", unit="count", low=0, high=5, indexed_by=(ir.Level("word", RG),))
+BAG = ir.Type(kind="int", unit="count", low=0, high=5, indexed_by=(ir.IndexSet("word", RG),))
 SMALL = ir.Type(kind="int", unit="count", low=0, high=9)
 SOIL = g.kind(
     "soil", "A", g.var("cell", "fruit", COLOUR, start="none"), g.var("cell", "hits", SMALL, start=0)
@@ -34,9 +34,9 @@ def small(*body, rows=("..A", "AA.", "..."), agents=2, **facts):
         fields=(g.var("world", "rounds", SMALL, start=0), g.var("world", "trials", BAG, start=0)),
         events=(
             ir.Event(name="eaten", per_agent=True),
-            ir.Event(name="got", by=ir.Level("word", RG), per_agent=True),
+            ir.Event(name="got", by=ir.IndexSet("word", RG), per_agent=True),
             ir.Event(name="shared", per_agent=False),
-            ir.Event(name="seen", by=ir.Level("word", RG), per_agent=False),
+            ir.Event(name="seen", by=ir.IndexSet("word", RG), per_agent=False),
         ),
         shapes=(g.line(2),),
         **facts,

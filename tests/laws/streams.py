@@ -49,7 +49,7 @@ def _block(
     for statement in body:
         inside = around
         match statement:
-            case ir.Draw(by=ir.Level() as by):
+            case ir.Draw(by=ir.IndexSet() as by):
                 entry = Digit("agent" if by.kind == "agent" else "fixed", len(by))
                 found[statement.stream] = Stream((*around, entry))
             case ir.Chance() | ir.Draw():

@@ -72,10 +72,10 @@ def check_unused(
     }
     for name, event in static.events.items():
         if name not in counted:
-            level = static.event_levels.get(name)
+            index_set = static.event_index_sets.get(name)
             key = ""
-            if level is not None:
-                key = "[agent]" if level.kind == "agent" else f"[{level.names[0]}]"
+            if index_set is not None:
+                key = "[agent]" if index_set.kind == "agent" else f"[{index_set.names[0]}]"
             problems.add(errors.NeverCounted(event.name.span, name=name, path=f"{name}{key}"))
 
 

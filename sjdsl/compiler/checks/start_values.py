@@ -94,6 +94,6 @@ def _is_kept(read: ir.FieldRead, game: ir.Game) -> bool:
 
 def _in_row(start: Any, type_: ir.Type) -> Any:
     """Returns what a variable begins with: of a row, all entries begin with the same value."""
-    for level in reversed(type_.indexed_by):
-        start = (start,) * len(level)
+    for index_set in reversed(type_.indexed_by):
+        start = (start,) * len(index_set)
     return start

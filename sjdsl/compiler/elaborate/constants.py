@@ -8,10 +8,10 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.diagnostic import Label
 from sjdsl.compiler.diagnostics.source import Span
-from sjdsl.compiler.elaborate.keys import entries_of, level_of
+from sjdsl.compiler.elaborate.keys import entries_of, index_set_of
 from sjdsl.compiler.elaborate.lookup import no_word, not_among, table_words
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
-from sjdsl.compiler.ir.entity_types import Level
+from sjdsl.compiler.ir.entity_types import IndexSet
 from sjdsl.compiler.ir.types import INTEGER_UNITS, UNIT_LIMITS, describe
 
 UNITS = (*UNIT_LIMITS, "word")
@@ -155,29 +155,29 @@ class _Numbers:
 
     def read(
         self, tree: Tree, declared_by: ast.By | None = None
-    ) -> tuple[tuple[Level, ...], int | float | tuple[Any, ...]]:
-        """Returns the levels of a number or table, and its value, nested as the levels."""
+    ) -> tuple[tuple[IndexSet, ...], int | float | tuple[Any, ...]]:
+        """Returns the index sets of a number or table, and its value, nested as they are."""
         if declared_by is not None:
-            level = level_of(declared_by, self.scope)
-            entries = entries_of(tree, level, self.scope)
+            index_set = index_set_of(declared_by, self.scope)
+            entries = entries_of(tree, index_set, self.scope)
         elif isinstance(tree, ast.Table):
-            level, entries = _entries_by_words(tree, self.scope)
+            index_set, entries = _entries_by_words(tree, self.scope)
         else:
             number = _number(tree, self.unit, self.scope)
             self.written.append((tree.span, number))
             return (), number
-        inner_levels, values = zip(*map(self.read, entries), strict=True)
-        if len(set(inner_levels)) > 1:
+        inner_sets, values = zip(*map(self.read, entries), strict=True)
+        if len(set(inner_sets)) > 1:
             raise self.scope.fail(errors.UnequalRows(tree.span))
-        return (level, *inner_levels[0]), values
+        return (index_set, *inner_sets[0]), values
 
 
-def _entries_by_words(table: ast.Table, scope: Scope) -> tuple[Level, list[Tree]]:
+def _entries_by_words(table: ast.Table, scope: Scope) -> tuple[IndexSet, list[Tree]]:
     """Returns the words that a table is by, and what is written for each of them."""
     names = table_words(table, scope)
     words = _declared_words(table, names, scope)
     written = {entry.key.text: entry.value for entry in table.entries}
-    return Level("word", words), [written[word] for word in words]
+    return IndexSet("word", words), [written[word] for word in words]
 
 
 def _declared_words(table: ast.Table, names: tuple[str, ...], scope: Scope) -> tuple[str, ...]:
@@ -236,17 +236,19 @@ def _word(declared: ast.Constant, scope: Scope) -> tuple[ir.Type, str | tuple[st
     """
     if declared.is_size:
         raise scope.expected(declared.span, "a number for a `size`", "a word")
-    by: tuple[Level, ...] = ()
+    by: tuple[IndexSet, ...] = ()
     entries: list[Tree] = [declared.value]
     if declared.by is not None:
-        level = level_of(declared.by, scope)
-        by = (level,)
-        entries = entries_of(declared.value, level, scope)
+        index_set = index_set_of(declared.by, scope)
+        by = (index_set,)
+        entries = entries_of(declared.value, index_set, scope)
     elif isinstance(declared.value, ast.Table):
-        level, entries = _entries_by_words(declared.value, scope)
-        by = (level,)
+        index_set, entries = _entries_by_words(declared.value, scope)
+        by = (index_set,)
     values = tuple(_one_word(entry, scope) for entry in entries)
-    sets = [level.names for level in by if level.kind == "word"] + scope.static.word_sets
+    sets = [
+        index_set.names for index_set in by if index_set.kind == "word"
+    ] + scope.static.word_sets
     words = next((words for words in sets if set(values) <= set(words)), None)
     if words is None:
         raise scope.fail(errors.NeverEqual(declared.value.span))

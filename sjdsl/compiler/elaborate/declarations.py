@@ -14,7 +14,7 @@ from sjdsl.compiler.elaborate.agents import blocked, declare_agents, declare_num
 from sjdsl.compiler.elaborate.constants import constant
 from sjdsl.compiler.elaborate.expressions import expression
 from sjdsl.compiler.elaborate.fields import fields_of, one_field, starting
-from sjdsl.compiler.elaborate.keys import level_of
+from sjdsl.compiler.elaborate.keys import index_set_of
 from sjdsl.compiler.elaborate.lookup import repeated
 from sjdsl.compiler.elaborate.movers import declare_movers
 from sjdsl.compiler.elaborate.possible import possible_condition
@@ -162,7 +162,7 @@ def declare_world(game: Composition, static: Static, problems: Problems) -> None
     for name, event in static.events.items():
         if event.by is not None:
             with problems.skip_if_broken():
-                static.event_levels[name] = level_of(event.by, scope)
+                static.event_index_sets[name] = index_set_of(event.by, scope)
     for name, kind in game.kinds.items():
         with problems.skip_if_broken(static.broken, Symbol("name", name)):
             static.kinds[name] = fields_of(kind.attributes, scope, ir.EntityType("cell", (name,)))

@@ -106,9 +106,9 @@ def tally(s: ast.Tally, scope: Scope) -> ir.Stmt:
     if event.by is not None:
         if len(steps) != 1 or not isinstance(steps[0], ast.Index):
             raise scope.expected(s.event.span, f"`{name.text}[word]`", "the whole row")
-        if name.text not in static.event_levels:
+        if name.text not in static.event_index_sets:
             raise Poisoned
-        entry = key_of(steps[0].key, name.text, static.event_levels[name.text], scope)
+        entry = key_of(steps[0].key, name.text, static.event_index_sets[name.text], scope)
     elif steps:
         raise scope.expected(s.event.span, "the event alone", "an entry of it")
     amount = None

@@ -381,8 +381,8 @@ def matrix_class(function: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     table = scope.expression(e.arguments[0])
     if scope.part != "checks":
         raise scope.misused(e.name, "a class of games", "a value")
-    levels = table.type.indexed_by
-    is_matrix = len(levels) == 2 and len(levels[0]) == 2 and levels[0] == levels[1]
+    index_sets = table.type.indexed_by
+    is_matrix = len(index_sets) == 2 and len(index_sets[0]) == 2 and index_sets[0] == index_sets[1]
     if not isinstance(table, ir.ParamRef) or not is_matrix:
         wanted = "a table of two words by the same two words"
         raise wrong_type(scope, e.arguments[0], wanted, table.type)

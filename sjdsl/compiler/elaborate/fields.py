@@ -6,7 +6,7 @@ from sjdsl.compiler import ast, ir
 from sjdsl.compiler.ast.names import Symbol, field_symbol
 from sjdsl.compiler.diagnostics import errors, limits
 from sjdsl.compiler.diagnostics.tree import walk
-from sjdsl.compiler.elaborate.keys import level_of
+from sjdsl.compiler.elaborate.keys import index_set_of
 from sjdsl.compiler.elaborate.lookup import (
     AGENT_ATTRIBUTES,
     CELL_ATTRIBUTES,
@@ -79,13 +79,13 @@ def one_field(declared: ast.Field | ast.Timer, scope: Scope, held_by: ir.EntityT
             errors.BadName(declared.name.span, name=name, role=role, problem=problem)
         )
     if isinstance(declared, ast.Timer):
-        by = () if declared.by is None else (level_of(declared.by, scope),)
+        by = () if declared.by is None else (index_set_of(declared.by, scope),)
         type_ = ir.Type(kind="int", unit="steps", low=0, high=inf, indexed_by=by)
         return ir.VarField(name=name, held_by=held_by, type=type_, timer=True, start=0, origin=span)
     type_ = field_type(declared.type, scope)
     start = start_value(declared, type_, scope)
     if declared.by is not None:
-        type_ = type_.changed(indexed_by=(level_of(declared.by, scope),))
+        type_ = type_.changed(indexed_by=(index_set_of(declared.by, scope),))
     capped = False
     if isinstance(declared.type, ast.Range | ast.Reals):
         capped = declared.type.capped

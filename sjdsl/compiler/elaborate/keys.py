@@ -19,7 +19,7 @@ from sjdsl.compiler.elaborate.lookup import (
     not_among,
 )
 from sjdsl.compiler.elaborate.scope import Scope, wrong_type
-from sjdsl.compiler.ir.entity_types import Level, level_of_agents, level_of_numbers
+from sjdsl.compiler.ir.entity_types import IndexSet, agent_indices, number_indices
 from sjdsl.compiler.ir.implications import narrowed
 
 ENTRIES = ("agent", "{ a, b }", "0 .. 4")
@@ -27,11 +27,11 @@ OTHERWISE = "otherwise"
 Tree = ast.Expr | ast.Table
 
 
-def level_of(by: ast.By, scope: Scope) -> Level:
+def index_set_of(by: ast.By, scope: Scope) -> IndexSet:
     """Returns the entries that a row has."""
     match by:
         case ast.Words():
-            return Level("word", tuple(dict.fromkeys(name.text for name in by.names)))
+            return IndexSet("word", tuple(dict.fromkeys(name.text for name in by.names)))
         case ast.Numbers():
             low = scope.fixed(by.low, "the entries of a row")
             high = scope.fixed(by.high, "the entries of a row")
@@ -42,9 +42,9 @@ def level_of(by: ast.By, scope: Scope) -> Level:
             if high - low >= limits.MAX_WORDS:
                 feature = f"a row of more than {limits.MAX_WORDS} entries"
                 raise scope.fail(errors.Unsupported(by.span, feature=feature))
-            return level_of_numbers(int(low), int(high))
+            return number_indices(int(low), int(high))
         case ast.Name(text="agent"):
-            return level_of_agents(scope.static.num_agents)
+            return agent_indices(scope.static.num_agents)
         case ast.Name():
             help_ = ""
             if by.text in ("agents", "players"):
@@ -57,30 +57,30 @@ def level_of(by: ast.By, scope: Scope) -> Level:
             raise scope.problems.unknown(by, ENTRIES, "what a row can be by", help_)
 
 
-def key_of(tree: ast.Expr, row: ir.Expr | str, level: Level, scope: Scope) -> ir.Expr:
-    """Returns the key of an entry of a row, one of those in `level`; reports any other.
+def key_of(tree: ast.Expr, row: ir.Expr | str, index_set: IndexSet, scope: Scope) -> ir.Expr:
+    """Returns the key of an entry of a row, one of those in `index_set`; reports any other.
 
     row: an expression, or the name of an event.
     """
     wanted = {
         "word": "a word",
         "agent": "an agent",
-        "number": f"a number from {level.names[0]} to {level.names[-1]}",
-    }[level.kind]
-    if level.kind == "word":
-        check_known_word(tree, row, level.names, scope)
+        "number": f"a number from {index_set.names[0]} to {index_set.names[-1]}",
+    }[index_set.kind]
+    if index_set.kind == "word":
+        check_known_word(tree, row, index_set.names, scope)
     key = scope.narrowed(tree)
     if key.type.indexed_by or (key.type.kind == "mix" and isinstance(row, str)):
         raise wrong_type(scope, tree, wanted, key.type)
     if key.type.kind == "mix":
-        if key.type.words != level.names:
-            raise not_a_word(tree.span, "mix", row, level.names, scope)
+        if key.type.words != index_set.names:
+            raise not_a_word(tree.span, "mix", row, index_set.names, scope)
         return key
-    match level.kind:
+    match index_set.kind:
         case "word":
             if key.type.kind != "word":
                 raise wrong_type(scope, tree, wanted, key.type)
-            check_words(key.type.words, level.names, tree.span, row, scope)
+            check_words(key.type.words, index_set.names, tree.span, row, scope)
         case "agent":
             help_ = ""
             if isinstance(key, ir.Number):
@@ -90,7 +90,7 @@ def key_of(tree: ast.Expr, row: ir.Expr | str, level: Level, scope: Scope) -> ir
             if key.type.kind != "int":
                 raise wrong_type(scope, tree, wanted, key.type)
             low, high = narrowed(key, scope.facts_and_requires)
-            if low < level.first or high > level.last:
+            if low < index_set.first or high > index_set.last:
                 actual = f"a number that can be {interval_text(low, high)}"
                 help_ = ""
                 if not isinstance(key, ir.Number):
@@ -99,65 +99,67 @@ def key_of(tree: ast.Expr, row: ir.Expr | str, level: Level, scope: Scope) -> ir
     return key
 
 
-def entries_of(tree: Tree, level: Level, scope: Scope) -> list[Tree]:
-    """Returns what is written for each entry of a level, with ranges and `otherwise` spelt out.
+def entries_of(tree: Tree, index_set: IndexSet, scope: Scope) -> list[Tree]:
+    """Returns what is written for each entry of an index set, with ranges and `otherwise` spelt out.
 
     param taste by agent : reward = { 0: 2, 1 .. 3: 1, otherwise: 0 }   ->   the value of each agent
 
     Anything but a table over the entries is the value of all of them.
     """
-    if not isinstance(tree, ast.Table) or not any(_is_key(e.key.text, level) for e in tree.entries):
-        return [tree] * len(level)
+    if not isinstance(tree, ast.Table) or not any(
+        _is_key(e.key.text, index_set) for e in tree.entries
+    ):
+        return [tree] * len(index_set)
     values: dict[int, Tree] = {}
     otherwise: ast.Entry | None = None
     for entry in tree.entries:
         if entry.key.text == OTHERWISE:
             otherwise = entry
             continue
-        for place in _places(entry, level, scope):
+        for place in _places(entry, index_set, scope):
             if place in values:
                 raise scope.fail(errors.TableRepeats(entry.key.span, name=entry.key.text))
             values[place] = entry.value
-    lacking = [place for place in range(len(level)) if place not in values]
+    lacking = [place for place in range(len(index_set)) if place not in values]
     if otherwise is not None:
         if otherwise is not tree.entries[-1]:
             raise scope.fail(errors.OtherwiseNotLast(otherwise.span))
-        if not lacking and level.kind != "agent":
+        if not lacking and index_set.kind != "agent":
             raise scope.fail(errors.NothingForOtherwise(otherwise.span))
         values |= dict.fromkeys(lacking, otherwise.value)
     elif lacking:
-        names = tuple(level.names[place] for place in lacking)
+        names = tuple(index_set.names[place] for place in lacking)
         raise scope.fail(errors.TableLacks(tree.span, words=names))
-    return [values[place] for place in range(len(level))]
+    return [values[place] for place in range(len(index_set))]
 
 
-def _is_key(text: str, level: Level) -> bool:
-    """Returns whether the key of a table may be meant for an entry of a level."""
-    if level.kind == "word":
-        return text == OTHERWISE or text in level.names
+def _is_key(text: str, index_set: IndexSet) -> bool:
+    """Returns whether the key of a table may be meant for an entry of an index set."""
+    if index_set.kind == "word":
+        return text == OTHERWISE or text in index_set.names
     return text == OTHERWISE or text[0].isdigit()
 
 
-def _places(entry: ast.Entry, level: Level, scope: Scope) -> Iterator[int]:
-    """Yields the places in a level that a key stands for: `cut`, `3`, `1 .. 3` or `2 ..`."""
+def _places(entry: ast.Entry, index_set: IndexSet, scope: Scope) -> Iterator[int]:
+    """Yields the places in an index set that a key stands for: `cut`, `3`, `1 .. 3` or `2 ..`."""
     text = entry.key.text
-    if level.kind == "word":
-        if text not in level.names:
-            raise not_among(entry.key, level.names, "this table", scope)
+    if index_set.kind == "word":
+        if text not in index_set.names:
+            raise not_among(entry.key, index_set.names, "this table", scope)
         scope.static.refer(entry.key, Symbol("word", text))
-        yield level.names.index(text)
+        yield index_set.names.index(text)
         return
     if not text[0].isdigit():
         raise scope.fail(errors.WordForNumber(entry.key.span, name=text))
     ends = [int(part) for part in text.replace("..", " ").split()]
     low = ends[0]
-    high = level.last if text.endswith("..") else ends[-1]
-    if level.kind == "agent" and low <= ends[-1]:  # a table fits variants with fewer agents
-        if high > level.last and scope.static.number_from_file:
-            problem = f"the agents are 0 .. {level.last}"
+    high = index_set.last if text.endswith("..") else ends[-1]
+    if index_set.kind == "agent" and low <= ends[-1]:  # a table fits variants with fewer agents
+        if high > index_set.last and scope.static.number_from_file:
+            problem = f"the agents are 0 .. {index_set.last}"
             scope.problems.add(errors.NeverHappens(entry.key.span, problem=problem))
-        high = min(high, level.last)
-    elif not level.first <= low <= high <= level.last:
-        known = (f"{level.first} .. {level.last}",)
+        high = min(high, index_set.last)
+    elif not index_set.first <= low <= high <= index_set.last:
+        known = (f"{index_set.first} .. {index_set.last}",)
         raise not_among(entry.key, known, "this table", scope)
-    yield from range(low - level.first, high - level.first + 1)
+    yield from range(low - index_set.first, high - index_set.first + 1)

@@ -154,7 +154,7 @@ def events(phases: Iterable[ir.Node], scope: Scope) -> tuple[ir.Event, ...]:
         if name in for_agents and name in for_game:
             part = f"event `{name}` counted with and without `for`, so it"
             raise scope.fail(errors.WrittenTwice(event.span, part=part))
-        by = scope.static.event_levels.get(name)
+        by = scope.static.event_index_sets.get(name)
         per_agent = name not in for_game
         typed.append(ir.Event(name=name, by=by, per_agent=per_agent, origin=event.span))
     return tuple(typed)

@@ -158,10 +158,10 @@ def _entries(observable: ir.Observable) -> list[ir.Observable]:
     if not observable.type.indexed_by:
         return [observable]
     type_ = element(observable.type)
-    level = observable.type.indexed_by[0]
-    if observable.labels and level.kind != "word":
+    index_set = observable.type.indexed_by[0]
+    if observable.labels and index_set.kind != "word":
         return [observable.changed(type=type_)]
-    return [observable.changed(type=type_, word=entry) for entry in level.entries]
+    return [observable.changed(type=type_, word=entry) for entry in index_set.entries]
 
 
 def _check_places(what: str, test: ir.Expr, scope: Scope) -> None:

@@ -81,8 +81,8 @@ def head(e: ast.Path, scope: Scope) -> ir.Expr:
     if scope.events_readable and name in static.events:
         static.refer(e.name, Symbol("metric", name))
         type_ = integer(0, inf, "count")
-        if name in static.event_levels and e.steps:
-            type_ = type_.changed(indexed_by=(static.event_levels[name],))
+        if name in static.event_index_sets and e.steps:
+            type_ = type_.changed(indexed_by=(static.event_index_sets[name],))
         return ir.EventTotal(type=type_, name=name, origin=e.span)
     if static.is_word(name):
         static.refer(e.name, Symbol("word", name))
@@ -246,13 +246,13 @@ def index(row: ir.Expr, step: ast.Index, scope: Scope) -> ir.Expr:
     if not row.type.indexed_by:
         wanted = "a row or table before `[`"
         raise scope.expected(step.span, wanted, describe(row.type))
-    level = row.type.indexed_by[0]
-    key = key_of(step.key, row, level, scope)
+    index_set = row.type.indexed_by[0]
+    key = key_of(step.key, row, index_set, scope)
     type_ = element(row.type)
     if isinstance(row, ir.EventTotal):
         if not isinstance(key, ir.Word | ir.Number):
             raise wrong_type(scope, step.key, "one entry", key.type)
-        entry = level.keys[level.place_of(key.value)]  # type: ignore[arg-type]
+        entry = index_set.keys[index_set.place_of(key.value)]  # type: ignore[arg-type]
         return row.changed(word=entry, type=type_)
     if key.type.kind == "mix":
         if row.type.kind not in ("int", "real") or not isinstance(row, ir.ParamRef | ir.At):

@@ -42,15 +42,15 @@ def beyond_one(type_: ir.Type) -> ir.Type:
 def lowest(function: Function, e: ast.Call, scope: Scope) -> ir.Expr:
     """Returns `lowest(row)` or `highest(row)`: the first or last key whose entry is positive."""
     row = row_of_numbers(e.arguments[0], scope)
-    level = row.type.indexed_by[0]
-    match level.kind:
+    index_set = row.type.indexed_by[0]
+    match index_set.kind:
         case "agent":
             wanted = "a row by words or numbers"
             raise wrong_type(scope, e.arguments[0], wanted, row.type, NO_ORDER)
         case "word":
-            type_ = words(level.names)
+            type_ = words(index_set.names)
         case "number":
-            type_ = integer(level.first, level.last)
+            type_ = integer(index_set.first, index_set.last)
     return ir.Lowest(type=type_, row=row, last=function.last, origin=e.span)
 
 

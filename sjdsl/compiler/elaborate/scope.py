@@ -14,7 +14,7 @@ from sjdsl.compiler.diagnostics.frozen import Record
 from sjdsl.compiler.diagnostics.problems import Poisoned, Problems
 from sjdsl.compiler.diagnostics.source import Source, Span
 from sjdsl.compiler.diagnostics.tree import walk
-from sjdsl.compiler.ir.entity_types import AGENTS, Level
+from sjdsl.compiler.ir.entity_types import AGENTS, IndexSet
 from sjdsl.compiler.ir.implications import Fact, computed_range, facts, narrow_word
 from sjdsl.compiler.ir.range_arithmetic import Range
 from sjdsl.compiler.ir.types import describe, is_number
@@ -33,7 +33,7 @@ class Static:
       them typed, through `Scope.expression`: `expressions` imports those modules itself.
     kinds: the fields of each kind. cell_types: the kinds that `cell of NAME` can be, known before
       any field is. action_names: as declared, `vote` where `actions` has `vote(0)`, `vote(1)`, ...
-    event_levels: by what the entries of an event are told apart, of events with entries.
+    event_index_sets: by what the entries of an event are told apart, of events with entries.
     number_from_file: whether `num_agents` is the file's, not a caller's.
     references: each name that was resolved, with what it stands for. used: what makes a
       difference to the game. required: numbers that a `require` reads, which doesn't use them.
@@ -64,7 +64,7 @@ class Static:
     defines: dict[str, ast.Define] = field(default_factory=dict)
     word_sets: list[tuple[str, ...]] = field(default_factory=list)
     events: dict[str, ast.Event] = field(default_factory=dict)
-    event_levels: dict[str, Level] = field(default_factory=dict)
+    event_index_sets: dict[str, IndexSet] = field(default_factory=dict)
     cells: dict[str, int] = field(default_factory=dict)
     num_agents: int = 1
     number_from_file: bool = True

@@ -20,7 +20,7 @@ from sjdsl.compiler.elaborate.declaration_labels import parameters_read
 from sjdsl.compiler.elaborate.domains import domain, with_member
 from sjdsl.compiler.elaborate.domains import near as near_shape
 from sjdsl.compiler.elaborate.effects import body, give, send, shift, tally
-from sjdsl.compiler.elaborate.keys import level_of
+from sjdsl.compiler.elaborate.keys import index_set_of
 from sjdsl.compiler.elaborate.lookup import check_free, no_word, repeated
 from sjdsl.compiler.elaborate.movers import move
 from sjdsl.compiler.elaborate.possible import possible_condition, warn_never
@@ -146,9 +146,9 @@ def _of_row(s: ast.Draw, by: ast.By, one: ir.Draw, scope: Scope) -> ir.Draw:
     """Returns the draw of a row `by` something; `one` is the draw of a single entry."""
     if isinstance(by, ast.Words):
         _check_declared(by.names, scope)
-    level = level_of(by, scope)
-    type_ = one.type.changed(indexed_by=(level,))
-    drawn = one.changed(type=type_, by=level, different=s.different)
+    index_set = index_set_of(by, scope)
+    type_ = one.type.changed(indexed_by=(index_set,))
+    drawn = one.changed(type=type_, by=index_set, different=s.different)
     if s.different:
         if one.weights:
             raise scope.expected(s.source.span, "values without weights", "a table of weights")

@@ -9,7 +9,7 @@ from sjdsl.compiler.compose import Composition
 from sjdsl.compiler.diagnostics import errors
 from sjdsl.compiler.diagnostics.tree import walk
 from sjdsl.compiler.elaborate.fields import field_type
-from sjdsl.compiler.elaborate.keys import level_of
+from sjdsl.compiler.elaborate.keys import index_set_of
 from sjdsl.compiler.elaborate.scope import Scope
 from sjdsl.compiler.elaborate.splits import check_no_splits, with_splits
 from sjdsl.compiler.elaborate.statements import check_deal, check_number_of_values
@@ -37,7 +37,7 @@ def _declared(field: ast.TaskField, scope: Scope) -> ir.VarField:
     type_ = field_type(field.type, scope)
     start = type_.words[0] if type_.kind == "word" else int(type_.low)
     if field.by is not None:
-        type_ = type_.changed(indexed_by=(level_of(field.by, scope),))
+        type_ = type_.changed(indexed_by=(index_set_of(field.by, scope),))
     name = field.name.text
     if any(isinstance(node, ast.Path) for node in walk(field.type)):
         scope.static.sized.add(field_symbol(name, WORLD.name))

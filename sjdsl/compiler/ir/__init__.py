@@ -11,7 +11,7 @@ from sjdsl.compiler.diagnostics.tree import children as children
 from sjdsl.compiler.diagnostics.tree import walk as walk
 from sjdsl.compiler.ir.entity_types import EntityType as EntityType
 from sjdsl.compiler.ir.entity_types import Entry as Entry
-from sjdsl.compiler.ir.entity_types import Level as Level
+from sjdsl.compiler.ir.entity_types import IndexSet as IndexSet
 from sjdsl.compiler.ir.expressions import *
 from sjdsl.compiler.ir.game import *
 from sjdsl.compiler.ir.node import *

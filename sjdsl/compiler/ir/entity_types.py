@@ -38,7 +38,7 @@ class EntityType(Record):
 AGENTS = EntityType("agent")
 
 
-class Level(Record):
+class IndexSet(Record):
     """What the entries of a row are told apart by.
 
     kind: the words of a set, the whole numbers of a range, or the agents.
@@ -78,7 +78,7 @@ class Level(Record):
         return self.names.index(key) if isinstance(key, str) else int(key) - self.first
 
     def __str__(self) -> str:
-        """Returns the level as it stands after `by`."""
+        """Returns the index set as it stands after `by`."""
         match self.kind:
             case "agent":
                 return "agent"
@@ -89,26 +89,26 @@ class Level(Record):
 
 
 class Entry(Record):
-    """One entry of a row: its level, and its place there, from 0."""
+    """One entry of a row: its index set, and its place there, from 0."""
 
-    level: Level
+    index_set: IndexSet
     place: int
 
     @property
     def name(self) -> str:
-        return self.level.names[self.place]
+        return self.index_set.names[self.place]
 
     @property
     def key(self) -> str:
         """The entry as it stands in square brackets."""
-        return self.level.keys[self.place]
+        return self.index_set.keys[self.place]
 
 
-def level_of_agents(number: int) -> Level:
-    """Returns the level of a row with one entry for each agent."""
-    return Level("agent", tuple(f"agent {agent}" for agent in range(number)))
+def agent_indices(number: int) -> IndexSet:
+    """Returns the index set of a row with one entry for each agent."""
+    return IndexSet("agent", tuple(f"agent {agent}" for agent in range(number)))
 
 
-def level_of_numbers(low: int, high: int) -> Level:
-    """Returns the level of a row with one entry for each whole number from `low` to `high`."""
-    return Level("number", tuple(map(str, range(low, high + 1))))
+def number_indices(low: int, high: int) -> IndexSet:
+    """Returns the index set of a row with one entry for each whole number from `low` to `high`."""
+    return IndexSet("number", tuple(map(str, range(low, high + 1))))

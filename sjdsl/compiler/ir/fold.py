@@ -99,12 +99,12 @@ def _entry_value(e: ir.At, analysis: Any) -> Any:
     key = fold(e.key, analysis)
     if e.key.type.kind == "mix":
         return analysis.rounded(sum(map(mul, key, row)))
-    level = e.row.type.indexed_by[0]
+    index_set = e.row.type.indexed_by[0]
     # A key of none of the entries: a guard excludes it.
-    if key is None or (isinstance(key, str) and key not in level.names):
+    if key is None or (isinstance(key, str) and key not in index_set.names):
         raise UnknownValue
-    place = level.place_of(key)
-    if not 0 <= place < len(level):
+    place = index_set.place_of(key)
+    if not 0 <= place < len(index_set):
         raise UnknownValue
     return row[place]
 
@@ -124,11 +124,11 @@ def _shifted_value(e: ir.ShiftRow, analysis: Any) -> Any:
 
 def _lowest_value(e: ir.Lowest, analysis: Any) -> Any:
     """Returns the first, or the last, entry above 0; of all entries if none is."""
-    level = e.row.type.indexed_by[0]
+    index_set = e.row.type.indexed_by[0]
     above = [place for place, entry in enumerate(fold(e.row, analysis)) if entry > 0]
-    places = above or range(len(level))
+    places = above or range(len(index_set))
     place = places[-1 if e.last else 0]
-    return level.names[place] if e.type.kind == "word" else level.first + place
+    return index_set.names[place] if e.type.kind == "word" else index_set.first + place
 
 
 def _shares(e: ir.Mix, analysis: Any) -> Any:

@@ -3,7 +3,7 @@
 from math import prod
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
-from sjdsl.compiler.ir.entity_types import AGENTS, EntityType, Entry, Level
+from sjdsl.compiler.ir.entity_types import AGENTS, EntityType, Entry, IndexSet
 from sjdsl.compiler.ir.expressions import Domain, Expr, Given, Member, Shape
 from sjdsl.compiler.ir.node import INSTANCE, Node, PolicyRuleNode, TurnNode, Type
 from sjdsl.compiler.ir.statements import Stmt
@@ -171,7 +171,7 @@ class Event(Node):
     """`per_agent`: every tally of it names a receiver. `shown`: a field of its name, of agents or the world, holds the count of the last step, 255 at most."""
 
     name: str
-    by: Annotated[Level, INSTANCE] | None = None
+    by: Annotated[IndexSet, INSTANCE] | None = None
     per_agent: bool
     shown: bool = False
 

@@ -206,7 +206,7 @@ def _hashable(value: object) -> Any:
             return [tag, hashed]
         case ir.Entry():
             return value.name
-        case ir.Level():
+        case ir.IndexSet():
             return list(value.names)
         case tuple():
             return [_hashable(item) for item in value]

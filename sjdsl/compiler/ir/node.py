@@ -7,7 +7,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from sjdsl.compiler.diagnostics.source import Span
 from sjdsl.compiler.diagnostics.tree import TreeNode
-from sjdsl.compiler.ir.entity_types import Level
+from sjdsl.compiler.ir.entity_types import IndexSet
 
 Unit = Literal["count", "steps", "cells", "reward", "probability", "fraction", "number"]
 
@@ -84,7 +84,7 @@ class Type(Model):
     kind: `word` (one of `words`), `int` and `real` (`unit`, `low` .. `high`), `condition`, `agent`
     (one or nobody), `agents` (a set), `cell` (one of `kinds`, or nowhere), `mix` (shares over
     `words`), `member` (a variable of a domain: an agent or a cell).
-    indexed_by: the levels of a row or table, outermost first; empty for a single value.
+    indexed_by: the index sets of a row or table, outermost first; empty for a single value.
     """
 
     kind: Literal["word", "int", "real", "condition", "agent", "agents", "cell", "mix", "member"]
@@ -93,7 +93,7 @@ class Type(Model):
     unit: Unit = "number"
     low: float = float("-inf")
     high: float = float("inf")
-    indexed_by: tuple[Annotated[Level, INSTANCE], ...] = ()
+    indexed_by: tuple[Annotated[IndexSet, INSTANCE], ...] = ()
 
     def is_single(self, *kinds: str) -> bool:
         """Returns whether values are single ones, and of one of these kinds."""

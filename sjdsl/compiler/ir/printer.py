@@ -175,7 +175,7 @@ def _node_lines(value: object, label: str, depth: int, positions: bool) -> Itera
             yield f"{pad}{label}: {_type_text(value)}"
         case ir.Entry():
             yield f"{pad}{label}: {value.name!r}"
-        case ir.Level():
+        case ir.IndexSet():
             yield f"{pad}{label}: {value.names!r}"
         case ir.EntityType():
             yield f"{pad}{label}: {value.what!r}"
@@ -191,7 +191,7 @@ def _node_lines(value: object, label: str, depth: int, positions: bool) -> Itera
 
 def _type_text(type_: ir.Type) -> str:
     """Returns a type with all that is known of it: `int count 0 .. 9 by { raw, cut }`."""
-    by = "".join(f" by {level}" for level in type_.indexed_by)
+    by = "".join(f" by {index_set}" for index_set in type_.indexed_by)
     match type_.kind:
         case "word" | "mix":
             return f"{type_.kind} {{ {', '.join(type_.words)} }}{by}"

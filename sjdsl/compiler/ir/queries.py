@@ -136,7 +136,7 @@ def written_field(target: Expr) -> FieldRead:
 
 
 def written_keys(target: Expr) -> tuple[Expr, ...]:
-    """Returns the keys of the entry that a `set` or `add` writes, outermost level first."""
+    """Returns the keys of the entry that a `set` or `add` writes, outermost index set first."""
     return (*written_keys(target.row), target.key) if isinstance(target, At) else ()
 
 

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
-from sjdsl.compiler.ir.entity_types import Level
+from sjdsl.compiler.ir.entity_types import IndexSet
 from sjdsl.compiler.ir.expressions import Domain, Expr, Member
 from sjdsl.compiler.ir.node import INSTANCE, CourseNode, Node, Statement, Type
 
@@ -44,7 +44,7 @@ class Draw(Statement):
     words: tuple[str, ...] = ()
     numbers: tuple[int, ...] = ()
     weights: tuple[Expr, ...] = ()
-    by: Annotated[Level | None, INSTANCE] = None
+    by: Annotated[IndexSet | None, INSTANCE] = None
     different: bool = False
     stream: int
 

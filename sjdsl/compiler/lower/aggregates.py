@@ -237,7 +237,7 @@ def _size_of_set(e: ir.Count, scope: IterationScope, w: Writer) -> Value | None:
     members = whole_set(e.domain, scope, w)
     if members is None:
         return None
-    kernel = "size_of_large_set" if members.levels else "size_of_set"
+    kernel = "size_of_large_set" if members.row_dims else "size_of_set"
     size = Value(call(kernel, members.node), "i32", members.axes)
     return w.keep(_count_name(e.domain), size)
 

@@ -229,13 +229,13 @@ def _values(
     """
     type_ = target.read.type
     set_extents = w.module.set_extents(type_)
-    levels = () if target.keys else type_.indexed_by
-    row_extents = tuple(map(w.module.num_entries, levels))
-    is_row = value.levels > len(set_extents)
+    index_sets = () if target.keys else type_.indexed_by
+    row_extents = tuple(map(w.module.num_entries, index_sets))
+    is_row = value.row_dims > len(set_extents)
     if is_row:
         return _flat(value, axes, value.dtype, (*row_extents, *set_extents))
     flat = _flat(value, axes, value.dtype, set_extents)
-    if along_row and row_extents and value.levels == len(set_extents):
+    if along_row and row_extents and value.row_dims == len(set_extents):
         return flat[:, None]
     return flat
 
@@ -248,9 +248,9 @@ def _flat(
 ) -> Expression:
     """Returns the values over all axes on a single one: `[I, *inside]` for I instances.
 
-    inside: the extents of one value, for its levels.
+    inside: the extents of one value.
     """
-    node = aligned(value, axes, value.levels)
+    node = aligned(value, axes, value.row_dims)
     if value.literal:
         node = as_array(node, dtype)
     extents = [axis.extent for axis in axes]
@@ -335,8 +335,8 @@ def _write(target: Target, value: Value, w: Writer) -> None:
         _scatter(target, key, value, w)
         return
     dtype = state_reads.storage(target.declared, w)
-    levels = w.module.levels(target.read.type)
-    before = Value(w.current(target.attribute), dtype, owner_axes, levels)
+    row_dims = w.module.row_dims(target.read.type)
+    before = Value(w.current(target.attribute), dtype, owner_axes, row_dims)
     if along is not None:
         before = unrolled(before, along)
     # The statement may be inside quantifiers that the field has no axis for.
@@ -379,12 +379,12 @@ def _whole(before: Value, mask: Value, value: Value) -> Value:
     """Returns a field with the value wherever the mask holds."""
     if mask != TRUE:
         return select(mask, value, before)
-    is_full = value.axes == before.axes and value.levels == before.levels
+    is_full = value.axes == before.axes and value.row_dims == before.row_dims
     if is_full and not value.literal:
         return value
-    if not value.axes and not value.levels:
+    if not value.axes and not value.row_dims:
         return replace(before, node=call("jnp.full_like", before.node, value.node))
-    rows = aligned(value, before.axes, before.levels)
+    rows = aligned(value, before.axes, before.row_dims)
     return replace(before, node=call("jnp.broadcast_to", rows, Attribute(before.node, "shape")))
 
 
@@ -393,13 +393,13 @@ def _entry(
 ) -> Value:
     """Returns a field of rows with the value at the key's entry where the mask holds."""
     if key.literal:
-        old = taken(before, key.node, before.levels - 1)
+        old = taken(before, key.node, before.row_dims - 1)
         new = select(mask, value, old)
-        keywords = {"axis": -2} if before.levels > 1 else {}  # behind it are the numbers of a set
+        keywords = {"axis": -2} if before.row_dims > 1 else {}  # behind it are the numbers of a set
         node = call("set_entry", before.node, key.node, new.node, **keywords)
         return replace(before, node=node)
     entries = w.axis("entry", target.num_entries(w))
-    row = replace(before, axes=(*before.axes, entries), levels=before.levels - 1)
+    row = replace(before, axes=(*before.axes, entries), row_dims=before.row_dims - 1)
     after = select(one_hot(key, entries) & mask, value, row)
     return replace(before, node=after.node)
 
@@ -426,8 +426,8 @@ def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None
     places: tuple[Expression, ...] = (first_places,)
     if second is not None:
         places = (first_places, aligned(second, axes))
-    levels = w.module.levels(target.read.type) - (key is not None)
-    new = aligned(value, axes, levels) if value.axes else value.node
+    row_dims = w.module.row_dims(target.read.type) - (key is not None)
+    new = aligned(value, axes, row_dims) if value.axes else value.node
     current = w.current(target.attribute)
     w.assign(target.attribute, written("set_at", current, places, new))
 
@@ -469,7 +469,7 @@ def _count_terms(target: Target, s: ir.Add, w: Writer) -> None:
 def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None:
     """Collects what the instances of an `add` add to a field, summed for each of its entries.
 
-    is_exact: whether reals are summed as fixed-point numbers, whose digits are one more level.
+    is_exact: whether reals are summed as fixed-point numbers, whose digits are one more dimension.
     """
     terms = select(target.scope.mask, value, 0)
     key = target.key(w) if target.along is None else None
@@ -477,10 +477,10 @@ def _add_number(target: Target, value: Value, is_exact: bool, w: Writer) -> None
         axes = axes_of(terms, key)
         entries = w.axis("entry", target.num_entries(w))
         row = select(one_hot(key, entries), terms, 0)
-        terms = replace(row, node=aligned(row, (*axes, entries)), axes=axes, levels=1)
+        terms = replace(row, node=aligned(row, (*axes, entries)), axes=axes, row_dims=1)
     if is_exact:
         digits = call("fixed_point", terms.array.node)
-        terms = Value(digits, "i32", terms.axes, terms.levels + 1)
+        terms = Value(digits, "i32", terms.axes, terms.row_dims + 1)
     if target.owner_axes is not None:
         total = _total(target, target.owner_axes, terms, is_exact)
     else:
@@ -495,7 +495,7 @@ def _total(target: Target, owner_axes: Axes, terms: Value, is_exact: bool) -> Va
     along = target.along
     kept = owner_axes if along is None else union(owner_axes, (along,))
     total = reduce("sum", terms, without(target.scope.axes, kept))
-    if not total.axes and not total.levels:
+    if not total.axes and not total.row_dims:
         return total
     # A row that is the same for all is aligned too: JAX would not know which axis it lacks.
     node = aligned(total, kept)
@@ -517,8 +517,8 @@ def _scattered(target: Target, who: Variable, terms: Value, is_exact: bool, w: W
     places = spread(who.number, axes)
     sums = written("add_at", none, (places,), aligned(total, axes))
     everybody = Axis(f"all of {target.attribute}", extent.size, 0)
-    levels = len(target.read.type.indexed_by) + is_exact
-    return Value(sums, total.dtype, (everybody,), levels)
+    row_dims = len(target.read.type.indexed_by) + is_exact
+    return Value(sums, total.dtype, (everybody,), row_dims)
 
 
 def _add_member(s: ir.Add, target: Target, w: Writer) -> None:

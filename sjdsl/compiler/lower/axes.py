@@ -76,8 +76,8 @@ class Value(Record):
     not be as long as an axis along which it is always the same. Operators align their operands by
     the names of axes: `a + b` is over all axes that either has.
 
-    node: the expression. axes: of its first dimensions. levels: how many dimensions come after
-      them: one for each level of a row or table, and one more for sets of more than 32 agents,
+    node: the expression. axes: of its first dimensions. row_dims: how many dimensions come after
+      them: one for each index set of a row or table, and one more for sets of more than 32 agents,
       which take several numbers.
 
     `==` says whether two values are the same expression; `eq` and `ne` compare entry by entry.
@@ -86,7 +86,7 @@ class Value(Record):
     node: Expression
     dtype: DType
     axes: tuple[Axis, ...] = ()
-    levels: int = 0
+    row_dims: int = 0
 
     __add__ = _operator("+")
     __sub__ = _operator("-")
@@ -207,22 +207,22 @@ def size_of(axes: Axes) -> int:
     return prod(axis.size for axis in axes)
 
 
-def aligned(value: Value, axes: Axes, levels: int = 0) -> Expression:
-    """Returns the array of a value with a dimension for each of `axes`, and `levels` more.
+def aligned(value: Value, axes: Axes, row_dims: int = 0) -> Expression:
+    """Returns the array of a value with a dimension for each of `axes`, and `row_dims` more.
 
     Those that it lacks have length 1, so that NumPy's broadcasting does the rest. Scalars stay
     scalars.
     """
-    if not value.axes and not value.levels:
+    if not value.axes and not value.row_dims:
         return value.node
-    lacking = max(0, levels - value.levels)
+    lacking = max(0, row_dims - value.row_dims)
     if value.axes == axes and not lacking:
         return value.node
     return indexed(value.node, (*_keys(value, axes), *[NEW_AXIS] * lacking))
 
 
 def row_aligned(row: Value, axes: Axes) -> Expression:
-    """Returns a row with an axis of length 1 for each of `axes` that it lacks, its levels last."""
+    """Returns a row with an axis of length 1 for each of `axes` that it lacks, its own dimensions last."""
     return row.node if row.axes == axes else Index(row.node, _keys(row, axes))
 
 
@@ -280,7 +280,7 @@ def called(kernel: str, *arguments: Value | Part, dtype: DType | None = None) ->
     nodes: list[Part] = []
     for argument in arguments:
         nodes.append(aligned(argument, axes) if isinstance(argument, Value) else argument)
-    return Value(call(kernel, *nodes), dtype or first.dtype, axes, first.levels)
+    return Value(call(kernel, *nodes), dtype or first.dtype, axes, first.row_dims)
 
 
 def looked_up(table: Expression, key: Value, dtype: DType) -> Value:
@@ -288,9 +288,11 @@ def looked_up(table: Expression, key: Value, dtype: DType) -> Value:
     return Value(table[key.node], dtype, key.axes)
 
 
-def taken(value: Value, key: Expression, levels: int = 0) -> Value:
-    """Returns entry `key` of the first level of each row. levels: of the entry."""
-    return replace(value, node=indexed(value.node, (*[ALL] * len(value.axes), key)), levels=levels)
+def taken(value: Value, key: Expression, row_dims: int = 0) -> Value:
+    """Returns entry `key` of each row, along its first dimension. row_dims: of the entry."""
+    return replace(
+        value, node=indexed(value.node, (*[ALL] * len(value.axes), key)), row_dims=row_dims
+    )
 
 
 def as_dtype(value: Value, dtype: DType) -> Value:
@@ -336,10 +338,10 @@ def binary(op: str, a: Value, b: Value) -> Value:
     elif op in "+*" and _is_neutral(op, a):
         return b
     axes = union(a.axes, b.axes)
-    levels = max(a.levels, b.levels)
-    left = aligned(a, axes, levels)
-    right = aligned(b, axes, levels)
-    return Value(joined(op, left, right), dtype, axes, levels)
+    row_dims = max(a.row_dims, b.row_dims)
+    left = aligned(a, axes, row_dims)
+    right = aligned(b, axes, row_dims)
+    return Value(joined(op, left, right), dtype, axes, row_dims)
 
 
 def _folded(op: str, a: float, b: float, dtype: DType) -> Value | None:
@@ -401,17 +403,17 @@ def select(condition: Value, a: Operand, b: Operand) -> Value:
     if condition == FALSE:
         return b
     axes = union(condition.axes, a.axes, b.axes)
-    levels = max(a.levels, b.levels, condition.levels)
+    row_dims = max(a.row_dims, b.row_dims, condition.row_dims)
     dtype = b.dtype if a.literal else a.dtype
-    test = aligned(condition, axes, levels)
-    then = aligned(a, axes, levels)
-    otherwise = aligned(b, axes, levels)
+    test = aligned(condition, axes, row_dims)
+    then = aligned(a, axes, row_dims)
+    otherwise = aligned(b, axes, row_dims)
     if a.literal and b.literal and dtype != "bool":
         if dtype != "f32" and (a.number, b.number) == (1, 0):  # the condition as a number
-            return Value(Cast(test, dtype), dtype, axes, levels)
+            return Value(Cast(test, dtype), dtype, axes, row_dims)
         then = scalar(then, dtype)
         otherwise = scalar(otherwise, dtype)
-    return Value(Where(test, then, otherwise), dtype, axes, levels)
+    return Value(Where(test, then, otherwise), dtype, axes, row_dims)
 
 
 def reduce(fn: OneOf["any", "all", "sum", "min", "max"], value: Value, over: Axes) -> Value:
@@ -432,7 +434,7 @@ def _reduced(fn: OneOf["any", "all", "sum", "min", "max"], value: Value, over: A
     """Returns the reduction of a value over axes that it has."""
     axes = without(value.axes, over)
     places: tuple[int, ...] | None = tuple(value.axes.index(axis) for axis in over)
-    if not axes and not value.levels:
+    if not axes and not value.row_dims:
         places = None  # all there are
     if fn != "sum":
         return replace(value, node=reduction(fn, value.node, places), axes=axes)

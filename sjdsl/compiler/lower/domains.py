@@ -95,7 +95,7 @@ def is_empty(d: ir.Domain, w: Writer) -> bool:
 def in_set(members: Value, axis: Axis) -> Value:
     """Returns which agents are in sets that are kept as bits, along a new last axis of agents."""
     assert all(axis.order > a.order for a in members.axes)
-    kernel = "unpack" if members.levels else "from_bits"
+    kernel = "unpack" if members.row_dims else "from_bits"
     return Value(call(kernel, members.node, axis.extent), "bool", (*members.axes, axis))
 
 

@@ -144,9 +144,9 @@ def draw(s: ir.Draw, scope: IterationScope, w: Writer) -> Value:
     entries = w.axis(s.name, w.module.num_entries(s.by))
     bits = random_bits(s.stream, scope, w, entries)
     drawn = _dealt(s, bits) if s.different else _drawn(s, bits, scope, w)
-    # The axis of the entries becomes the level of the row.
+    # The axis of the entries becomes the dimension of the row.
     axes = without(drawn.axes, (entries,))
-    row = Value(aligned(drawn, (*axes, entries)), drawn.dtype, axes, levels=1)
+    row = Value(aligned(drawn, (*axes, entries)), drawn.dtype, axes, row_dims=1)
     return w.keep(s.name, row)
 
 

@@ -1,14 +1,14 @@
 """Lowers entries of rows and tables, such as `a.trust[b]`.
 
 The array of a value has a dimension for each of its axes (what it differs along, such as each
-agent), then one for each level (what its entries are numbered by). If a and b are both each agent
-once, in order, `a.trust[b]` is the stored table itself: the level becomes the axis of b.
+agent), then one for each index set of the row (agents, words or numbers). If a and b are both each agent
+once, in order, `a.trust[b]` is the stored table itself: its dimension becomes the axis of b.
 """
 
 from dataclasses import replace
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.entity_types import Level
+from sjdsl.compiler.ir.entity_types import IndexSet
 from sjdsl.compiler.lower.axes import (
     Axes,
     Axis,
@@ -47,32 +47,32 @@ def entry(e: ir.At, scope: IterationScope, w: Writer) -> Value:
         return unrolled(row, along)
     key = row_key(e.key, e.row.type.indexed_by[0], scope, w)
     if key.literal or not row.axes:
-        return replace(taken(row, key.node, row.levels - 1), axes=row.axes or key.axes)
+        return replace(taken(row, key.node, row.row_dims - 1), axes=row.axes or key.axes)
     axes = axes_of(row, key)
     entries = row_aligned(row, axes)
     keys = aligned(key, axes)
-    if row.levels == 1:
+    if row.row_dims == 1:
         return Value(call("entry", entries, keys), row.dtype, axes)
-    if e.type.kind == "agents" and row.levels == 2:  # large sets
+    if e.type.kind == "agents" and row.row_dims == 2:  # large sets
         sets = call("entry", numbers_first(entries), keys)
         return Value(numbers_last(sets), row.dtype, axes, 1)
     feature = "a table of several levels by words that differ from member to member"
     raise NotSupported(feature, e.origin, "write one of the words out with `case`")
 
 
-def row_key(e: ir.Expr, level: Level, scope: IterationScope, w: Writer) -> Value:
+def row_key(e: ir.Expr, index_set: IndexSet, scope: IterationScope, w: Writer) -> Value:
     """Returns the place of a key's entry in a row, from 0.
 
-    level: what the entries are numbered by: enum values, whole numbers from `first` on, or agents.
+    index_set: what the entries are numbered by: enum values, whole numbers from `first` on, or agents.
     """
-    if isinstance(e, ir.Word) and level.kind != "word":
-        return literal(level.place_of(e.value), "i32")
+    if isinstance(e, ir.Word) and index_set.kind != "word":
+        return literal(index_set.place_of(e.value), "i32")
     key = w.value(e, scope)
-    match level.kind:
+    match index_set.kind:
         case "word":
-            return to_words(key, e.type.words, level.names, w)
+            return to_words(key, e.type.words, index_set.names, w)
         case "number":
-            return as_dtype(key, "i32") - level.first
+            return as_dtype(key, "i32") - index_set.first
         case "agent":
             return key
 
@@ -84,14 +84,14 @@ def whole_axis(key: ir.Expr, scope: IterationScope) -> Axis | None:
 
 
 def unrolled(row: Value, along: Axis) -> Value:
-    """Returns a row as values along an axis, one for each entry: its first level becomes the axis."""
+    """Returns a row as values along an axis, one for each entry: its first dimension becomes the axis."""
     axes = union(row.axes, (along,))
     place = axes.index(along)
     entry_dimension = len(row.axes)
     node = row.node
     if place != entry_dimension:
         node = call("jnp.moveaxis", node, entry_dimension, place)
-    return replace(row, node=node, axes=axes, levels=row.levels - 1)
+    return replace(row, node=node, axes=axes, row_dims=row.row_dims - 1)
 
 
 def rolled(node: Expression, axes: Axes, along: Axis) -> Expression:
@@ -117,16 +117,16 @@ def _expected(row: Value, shares: Value, w: Writer) -> Value:
     """Returns the mean of a row's entries, weighed by shares."""
     axes = axes_of(row, shares)
     left = row_aligned(shares, axes)
-    if row.levels > 1:
-        left = left[*[ALL] * (len(axes) + 1), *[NEW_AXIS] * (row.levels - 1)]
+    if row.row_dims > 1:
+        left = left[*[ALL] * (len(axes) + 1), *[NEW_AXIS] * (row.row_dims - 1)]
     products = left * row_aligned(as_dtype(row, "f32"), axes)
     place = len(axes)
     if w.exact:
         total: Expression = call("sum_in_order", products, place)
     else:
         total = reduction("sum", products, (place,), "f32")
-    expected = Value(total, "f32", axes, row.levels - 1)
-    return w.keep("expected" if row.levels == 1 else "expected_row", expected)
+    expected = Value(total, "f32", axes, row.row_dims - 1)
+    return w.keep("expected" if row.row_dims == 1 else "expected_row", expected)
 
 
 def to_words(

@@ -101,9 +101,9 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             return in_set(e, scope, w)
         case ir.IsEmpty():
             empty = lower(e.container, scope, w).eq(0)
-            if not empty.levels:
+            if not empty.row_dims:
                 return empty
-            return replace(empty, node=reduction("all", empty.node, (-1,)), levels=0)
+            return replace(empty, node=reduction("all", empty.node, (-1,)), row_dims=0)
         case ir.Chose():
             return chosen.action_of(e.agent, scope).eq(w.module.action(e.action))
         case ir.Unoccupied():
@@ -139,7 +139,7 @@ def lower(e: ir.Expr, scope: IterationScope, w: Writer) -> Value:
             with w.deciding():
                 row = lower(e.row, scope, w)
             node = call("highest" if e.last else "lowest", row.node)
-            return replace(row, node=node, dtype="u8", levels=0)
+            return replace(row, node=node, dtype="u8", row_dims=0)
         case ir.Mix():
             row = lower(e.row, scope, w)
             shares = call("exact_mix" if w.exact else "mix", row.node)
@@ -174,7 +174,7 @@ def in_set(e: ir.InSet, scope: IterationScope, w: Writer) -> Value:
     """Returns whether an agent is in a set, which is kept as bits."""
     container = lower(e.container, scope, w)
     value = lower(e.value, scope, w)
-    if container.levels:
+    if container.row_dims:
         axes = axes_of(container, value)
         node = call("has_member", row_aligned(container, axes), aligned(value, axes))
         return Value(node, "bool", axes)
@@ -193,7 +193,7 @@ def sum_row(e: ir.SumRow, scope: IterationScope, w: Writer) -> Value:
         node = call("exact_sum", row.node, len(row.axes))
     else:
         node = reduction(folding.array, summed(row.node, row.dtype), (-1,), row.dtype)
-    return replace(row, node=node, levels=0)
+    return replace(row, node=node, row_dims=0)
 
 
 def shift(e: ir.ShiftRow, scope: IterationScope, w: Writer) -> Value:
@@ -216,7 +216,7 @@ def shift(e: ir.ShiftRow, scope: IterationScope, w: Writer) -> Value:
     axes = axes_of(row, filler)
     entries = row_aligned(row, axes)
     fill = scalar(filler.node, row.dtype) if filler.literal else row_aligned(filler, axes)
-    if row.levels == 1:
+    if row.row_dims == 1:
         return replace(row, node=call("shifted", entries, e.by, fill), axes=axes)
     if not filler.literal:
         fill = numbers_first(fill)

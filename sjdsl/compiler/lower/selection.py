@@ -151,7 +151,7 @@ def _pick_one(
             kernel = "pick"
             source = spread(inner.mask, (*axes, axis))
         else:
-            kernel = "pick_of_large_set" if sets.levels else "pick_of_set"
+            kernel = "pick_of_large_set" if sets.row_dims else "pick_of_set"
             source = aligned(sets, axes)
         picked, has_member = w.keep_parts((name, "found"), call(kernel, source, drawn))
         place = Value(picked, "i32", axes)  # among the candidates
@@ -170,7 +170,7 @@ def _pick_one(
 def _are_many_sets(members: Value, axes: Axes) -> bool:
     """Returns whether there are so many small sets that most steps need no random bits."""
     is_many = size_of(axes) >= MANY_SETS
-    return is_many and members.axes == axes and not members.levels
+    return is_many and members.axes == axes and not members.row_dims
 
 
 def _pick_of_sets(

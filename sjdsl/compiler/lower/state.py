@@ -3,7 +3,7 @@
 from math import isfinite
 
 from sjdsl.compiler import ir
-from sjdsl.compiler.ir.entity_types import Level
+from sjdsl.compiler.ir.entity_types import IndexSet
 from sjdsl.compiler.ir.names import attribute_name, attribute_of, param_attribute
 from sjdsl.compiler.ir.queries import (
     all_fields,
@@ -86,18 +86,18 @@ def _field(field: ir.VarField, game: ir.Game, w: Writer) -> Field:
     if field.held_by.what != "world":
         extent = w.module.extent(field.held_by)
         dims.append({"cell": "S", "agent": "N"}.get(field.held_by.what, str(extent.size)))
-    dims += [str(len(level)) for level in field.type.indexed_by]
+    dims += [str(len(index_set)) for index_set in field.type.indexed_by]
     meaning = f"{field.name}: {_meaning(field)}"
     if field.type.indexed_by:
-        meaning = f"{meaning}; by {_level(field.type.indexed_by[0])}"
+        meaning = f"{meaning}; by {_index_set_text(field.type.indexed_by[0])}"
     dims += [str(extent.size) for extent in w.module.set_extents(field.type)]
     default = _default(field, game, dtype, w)
     return Field(attribute_name(field), f"[{', '.join(dims)}]", dtype, meaning, default)
 
 
-def _level(level: Level) -> str:
+def _index_set_text(index_set: IndexSet) -> str:
     """Returns what the entries of a row are, for a comment."""
-    return ", ".join(level.names) if level.kind == "word" else str(level)
+    return ", ".join(index_set.names) if index_set.kind == "word" else str(index_set)
 
 
 def _meaning(field: ir.VarField) -> str:
@@ -171,11 +171,11 @@ def params_fields(game: ir.Game) -> list[Field]:
     fields = []
     for param in game.params:
         kind = param.type.kind
-        levels = param.type.indexed_by
+        index_sets = param.type.indexed_by
         dtype = {"int": "int32", "real": "float32", "word": "uint8"}[kind]
-        shape = ", ".join(str(len(level)) for level in levels)
+        shape = ", ".join(str(len(index_set)) for index_set in index_sets)
         unit = kind if kind == "word" else param.type.unit
-        meaning = " by ".join(map(str, (unit, *levels)))
+        meaning = " by ".join(map(str, (unit, *index_sets)))
         value = constant(param_value(param.value, param.type))
         default = call("jnp.asarray", value, path(f"jnp.{dtype}"))
         fields.append(Field(param_attribute(param.name), f"[{shape}]", dtype, meaning, default))
@@ -207,7 +207,7 @@ def outcome_fields(game: ir.Game, w: Writer) -> list[Field]:
         if event.by is not None:
             size.append(w.module.num_entries(event.by))
             dims.append(str(len(event.by)))
-            meaning = f"{meaning}, by {_level(event.by)}"
+            meaning = f"{meaning}, by {_index_set_text(event.by)}"
         none = zeros("i32", *size)
         name = f"event_{param_attribute(event.name)}"
         fields.append(Field(name, f"[{', '.join(dims)}]", "int32", meaning, none))

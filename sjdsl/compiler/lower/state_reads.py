@@ -47,8 +47,8 @@ def field(e: ir.FieldRead, owner: Variable | None, w: Writer) -> Value:
     if isinstance(owner, CellVar) and len(owner.kinds) > 1:
         return _group_field(e, owner, w)
     declared = w.module.field(e)
-    levels = w.module.levels(e.type)
-    stored = Value(w.stored(attribute_name(declared)), storage(declared, w), (), levels)
+    row_dims = w.module.row_dims(e.type)
+    stored = Value(w.stored(attribute_name(declared)), storage(declared, w), (), row_dims)
     if declared.type.kind == "word":
         stored = as_dtype(stored, "u8")
     if isinstance(owner, CellVar) and owner.beside:
@@ -91,7 +91,7 @@ def _group_field(e: ir.FieldRead, owner: CellVar, w: Writer) -> Value:
     order = w.module.constant(f"order_{group}", table, "cells of a group in reading order")
     in_order = Value(concatenated(vectors)[order], storage(fields[0], w))
     whole = w.keep(f"{group}_{e.name}", in_order)
-    whole = replace(whole, levels=w.module.levels(e.type))
+    whole = replace(whole, row_dims=w.module.row_dims(e.type))
     return _widened(_looked_up(owner, whole, w), fields[0].type)
 
 

@@ -140,18 +140,18 @@ class Module:
 
     def entry(self, entry: ir.Entry) -> Value:
         """Returns the place of an entry in its row."""
-        if entry.level.kind == "word":
-            return self.word(entry.name, entry.level.names)
+        if entry.index_set.kind == "word":
+            return self.word(entry.name, entry.index_set.names)
         return literal(entry.place, "u8")
 
-    def num_entries(self, level: ir.Level) -> Literal:
+    def num_entries(self, index_set: ir.IndexSet) -> Literal:
         """Returns how many entries a row has."""
-        if level.kind == "agent":
+        if index_set.kind == "agent":
             return self.agents
-        if level.names not in self._word_sets:  # of a draw alone
-            return Literal(len(level))
-        declared = self._word_sets[level.names].declared
-        return self.number(f"num_{declared}", len(level), ", ".join(level.names), "size")
+        if index_set.names not in self._word_sets:  # of a draw alone
+            return Literal(len(index_set))
+        declared = self._word_sets[index_set.names].declared
+        return self.number(f"num_{declared}", len(index_set), ", ".join(index_set.names), "size")
 
     @cached_property
     def _word_sets(self) -> dict[tuple[str, ...], WordSet]:
@@ -167,12 +167,12 @@ class Module:
             sets.setdefault(keys, WordSet(name, name))
 
         for declared in fields:
-            for level in declared.type.indexed_by:
-                add(level.names, attribute_name(declared))
+            for index_set in declared.type.indexed_by:
+                add(index_set.names, attribute_name(declared))
         for param in game.params:
             add(param.type.words, param.name)
-            for level in param.type.indexed_by:
-                add(level.names, param.name)
+            for index_set in param.type.indexed_by:
+                add(index_set.names, param.name)
         for event in game.events:
             if event.by is not None:
                 add(event.by.names, event.name)
@@ -223,8 +223,8 @@ class Module:
         """How many numbers of 32 bits a set of agents takes; 0 if one number holds it."""
         return 0 if self.num_agents <= BITS_PER_NUMBER else ceil(self.num_agents / BITS_PER_NUMBER)
 
-    def levels(self, type_: ir.Type) -> int:
-        """Returns how many axes one value of a type has: see `Value.levels`."""
+    def row_dims(self, type_: ir.Type) -> int:
+        """Returns how many dimensions one value of a type has: see `Value.row_dims`."""
         return len(type_.indexed_by) + len(self.set_extents(type_))
 
     def set_extents(self, type_: ir.Type) -> tuple[Literal, ...]:
