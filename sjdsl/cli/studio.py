@@ -4,12 +4,15 @@ import os
 import socket
 import webbrowser
 from collections.abc import Sequence
+from dataclasses import asdict
 from pathlib import Path
 
 import click
 
+from sjdsl.cli.asked_episodes import require_model
 from sjdsl.cli.environment_options import EnvironmentOptions
 from sjdsl.cli.game_file import agents_option, game_path, variant_option
+from sjdsl.cli.model_options import limit_options
 from sjdsl.cli.policies import (
     FROM_FILE,
     NAMES,
@@ -21,6 +24,7 @@ from sjdsl.cli.policies import (
 from sjdsl.cli.stages import LOADING, stages
 from sjdsl.extras import require
 from sjdsl.library.cache import cache_folder
+from sjdsl.models import Limits
 from sjdsl.studio.access import HOST, Access, kept_token
 from sjdsl.studio.examples import example_of
 from sjdsl.studio.seats import Seats
@@ -46,6 +50,7 @@ PORT = 8421
 @code_option
 @variant_option
 @agents_option
+@limit_options
 @click.option(
     "--browser/--no-browser", default=True, help="Open the page in the browser.  [default: browser]"
 )
@@ -56,6 +61,7 @@ def command(
     variant: str | None,
     agents: int | None,
     browser: bool,
+    limits: Limits,
 ) -> None:
     """Opens the games of this folder in the browser: text, board, rules on a page, generated code.
 
@@ -68,6 +74,7 @@ def command(
     options = EnvironmentOptions(variant=variant, num_agents=agents)
     path = None if game is None else _path_in_page(game, folder)
     seats = None
+    names: list[str] = []
     if slots is not None or options.names:
         if game is None or path is None:
             raise click.UsageError(
@@ -77,7 +84,8 @@ def command(
         if slots is not None:
             names, _ = read_seats(slots, rules)
             _check_players(names, game, options)
-            seats = Seats(path, tuple(names), allowed_code())
+            seats = Seats(path, tuple(names), allowed_code(), asdict(limits))
+    require_model(limits, names)
     import uvicorn
 
     from sjdsl.studio.server import FirstGame, make_app

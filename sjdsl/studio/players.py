@@ -16,7 +16,7 @@ from sjdsl.compiler.diagnostics.diagnostic import CompileError
 from sjdsl.interpreter.observe import observe
 from sjdsl.interpreter.state import Outcome
 from sjdsl.library.factory import environment_of
-from sjdsl.models import ModelError
+from sjdsl.models import Limits, ModelError, Talks
 from sjdsl.models.reasons import Reasons
 from sjdsl.runtime.episode_keys import EpisodeKeys
 from sjdsl.runtime.policy import compiled_actions, with_memory
@@ -42,7 +42,7 @@ class Players:
         self._opened: Opened | None = None  # the game that the policies are loaded for
         self._moments: list[Moment] = []  # of the episode that they remember
         self._memories: list[Any] = []  # at each of its moments
-        self._reasons = Reasons()  # in it
+        self._reasons = Reasons(Talks(limits=Limits(**seats.limits)).part("studio"))  # in it
 
     def step(self, episode: Episode, opened: Opened, driven: Mapping[int, int]) -> None:
         """Takes a step of an episode from the moment that is shown.

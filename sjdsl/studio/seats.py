@@ -1,6 +1,8 @@
 """Who plays each agent of a game: a person, and policies by their names."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 
 class CannotPlay(Exception):
@@ -13,8 +15,10 @@ class Seats:
 
     path: of the game, in the page.
     code: what stored policies and runs may load, as `--allow-code` names it.
+    limits: of the calls of one page, arguments of `sjdsl.models.Limits`.
     """
 
     path: str
     names: tuple[str, ...]
     code: tuple[str, ...] = ()
+    limits: Mapping[str, Any] = field(default_factory=dict)

@@ -178,12 +178,13 @@ def test_the_command_says_variant_and_number_of_agents(
 ) -> None:
     Path("yard.sj").write_text(SIZED)
     chosen = ("--variant", "poor", "--agents", "4")
-    slots = ("--slots", "you,file,file,models.toml:luna")
+    slots = ("--slots", "you,file,file,models.toml:luna", "--calls", "9", "--budget", "0.5")
     assert run(["studio", "yard.sj", "--no-browser", "--port", "0", *chosen, *slots]) == 0
     assert run(["studio", "yard.sj", "--no-browser", "--port", "0", *chosen[:2]]) == 0
     names = ("you", "walker", "idler", "models.toml:luna")
+    limits = {"parallel": 16, "budget": 0.5, "calls": 9}
     assert pages == [
-        (FirstGame("yard.sj", "poor", 4), Seats("yard.sj", names)),
+        (FirstGame("yard.sj", "poor", 4), Seats("yard.sj", names, limits=limits)),
         (FirstGame("yard.sj", "poor", None), None),
     ]
 
@@ -225,6 +226,7 @@ def test_a_seat_by_file_is_of_the_agents_policy_in_the_file(
         (("--slots", "you,stay"), "name a game before them"),
         (("--variant", "poor"), "name a game before them"),
         (("yard.sj", "--variant", "rich"), "no variant `rich`"),
+        (("yard.sj", "--calls", "3"), "--calls are for language models, and none plays"),
         (("yard.sj", "--agents", "3"), "`agents` does not name a `size` that says how many"),
     ],
 )
@@ -233,6 +235,16 @@ def test_the_command_refuses_seats_as_play_does(
 ) -> None:
     assert run(["studio", "--no-browser", *arguments]) != 0
     assert told in capsys.readouterr().err
+
+
+def test_models_are_asked_within_limits(folder: Path) -> None:
+    names = ("you", "idler", "idler", "idler", "models.toml:luna")
+    bench = Bench(folder, Seats("yard.sj", names, limits={"calls": 2}))
+    opened(bench, FIVE)
+    play(bench, KEYS[:2])
+    assert "2 calls were made, and at most 2 may be" in refusal(bench, do="step", actions={"0": 1})
+    ask(bench, do="begin", seed=0)
+    assert "at most 2 may be" in refusal(bench, do="step", actions={"0": 1}), "of all episodes"
 
 
 def test_the_process_of_a_page_knows_the_seats(folder: Path) -> None:
