@@ -210,23 +210,24 @@ def nth_of(words: Sequence[Array], n: Array) -> tuple[Array, Array]:
     return number, nth_bit(word, n - before)
 
 
-def field(words: Sequence[Array], number: Array, width: int, per_word: int) -> Array:
-    """Returns a field of those that words hold, the first in the lowest bits of the first word.
+def unpack_number(words: Sequence[Array], place: Array, width: int, per_word: int) -> Array:
+    """Returns one of the small numbers that words hold, `per_word` in each.
+
+    The first number is in the lowest bits of the first word.
 
     Args:
       words: uint32.
-      number: of the field, any shape.
-      width: bits of a field.
-      per_word: fields of a word.
+      place: of the number, from 0; any shape.
+      width: bits of a number.
+      per_word: numbers in a word.
 
     Returns:
-      uint32 of the shape of `number`.
+      uint32 of the shape of `place`.
     """
     word = words[0]
-    for place, later_word in enumerate(words[1:], 1):
-        word = jnp.where(number >= place * per_word, later_word, word)
-    # Where the field begins in its word.
-    shift = (number % per_word * width).astype(jnp.uint32)
+    for number_of_word, later_word in enumerate(words[1:], 1):
+        word = jnp.where(place >= number_of_word * per_word, later_word, word)
+    shift = (place % per_word * width).astype(jnp.uint32)
     result: Array = (word >> shift) & jnp.uint32((1 << width) - 1)
     return result
 

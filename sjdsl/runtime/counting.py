@@ -5,7 +5,7 @@ from functools import partial, reduce
 import jax.numpy as jnp
 from jax import Array
 
-from sjdsl.runtime.bits import WIDTH, field, pack, size_of_set
+from sjdsl.runtime.bits import WIDTH, pack, size_of_set, unpack_number
 from sjdsl.runtime.forms import by_platform, one_function
 from sjdsl.runtime.reductions import any_of, sum_of
 from sjdsl.runtime.rows import one_hot
@@ -75,7 +75,7 @@ def _added_at_once(sets: Array, agents: int) -> Array:
         fields = (bits * jnp.uint32(copies)) & jnp.uint32(lowest_bits)
         totals.append(jnp.sum(fields, dtype=jnp.uint32))
     number = jnp.arange(agents, dtype=jnp.int32)
-    return field(totals, number, width, per_word).astype(jnp.int32)
+    return unpack_number(totals, number, width, per_word).astype(jnp.int32)
 
 
 def _added_in_rows(sets: Array, agents: int) -> Array:

@@ -5,7 +5,7 @@ from functools import partial
 import jax.numpy as jnp
 from jax import Array, lax
 
-from sjdsl.runtime.bits import field
+from sjdsl.runtime.bits import unpack_number
 from sjdsl.runtime.forms import by_platform
 from sjdsl.runtime.reductions import sum_of
 from sjdsl.runtime.varying import settled
@@ -90,7 +90,7 @@ def _by_walking(position: Array, target: Array, draws: Array, exchange: bool) ->
     agent = numbers  # where in its chain each agent has come
     stuck = jnp.zeros(n, jnp.uint32)
     for _ in range(n):
-        entry_of_agent = field(table, agent, bits + 1, per_word)
+        entry_of_agent = unpack_number(table, agent, bits + 1, per_word)
         stuck = stuck | (entry_of_agent >> bits)
         agent = entry_of_agent & ((1 << bits) - 1)
     return jnp.where(stuck != 0, position, target)

@@ -344,7 +344,7 @@ def _unrolled(
             free_words, halves = lax.optimization_barrier((free_words, halves))
     # They are stored, or the lane of each agent would compute them all.
     halves = lax.optimization_barrier(halves)
-    site = bits.field(halves, numbers, 16, 2).astype(jnp.int32) - 1
+    site = bits.unpack_number(halves, numbers, 16, 2).astype(jnp.int32) - 1
     placed = site >= 0
     new = entries_in_bounds(cells, jnp.maximum(site, 0))
     return jnp.where(placed, new, position), placed

@@ -212,7 +212,7 @@ def _set(s: ir.Set, ranges: IntRanges) -> None:
     field = written_field(s.target)
     held = (field.held_by.what, field.name)
     played = ranges.played
-    added = _counted_on(s.value, held)
+    added = _added_to(held, s.value)
     if added is None:
         played.sets[held] = max(played.sets.get(held, 0), high)
     else:
@@ -220,15 +220,18 @@ def _set(s: ir.Set, ranges: IntRanges) -> None:
         played.growth[held] = played.growth.get(held, 0) + max(most, 0)
 
 
-def _counted_on(value: ir.Expr, held: tuple[str, str]) -> ir.Expr | None:
-    """Returns n where a timer is set to what it is and n more, or what one like it is."""
+def _added_to(timer: tuple[str, str], value: ir.Expr) -> ir.Expr | None:
+    """Returns n if a value is `timer + n`, of any timer with this name; None for another value.
+
+    timer: what holds it and its name.
+    """
     match value:
         case ir.Named():
-            return _counted_on(value.value, held)
+            return _added_to(timer, value.value)
         case ir.Arithmetic(fn=fn, args=(left, right)) if CALCULATIONS[fn].factors == (1, 1):
             for one, other in ((left, right), (right, left)):
                 while isinstance(one, ir.At):
                     one = one.row
-                if isinstance(one, ir.FieldRead) and (one.held_by.what, one.name) == held:
+                if isinstance(one, ir.FieldRead) and (one.held_by.what, one.name) == timer:
                     return other
     return None

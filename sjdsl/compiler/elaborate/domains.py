@@ -26,25 +26,28 @@ from sjdsl.compiler.ir.types import integer
 
 
 def domain(d: ast.Domain, scope: Scope, warns: bool = True) -> tuple[ir.Domain, Scope]:
-    """Returns a domain and the scope inside it. warns: of a condition that never holds."""
+    """Returns a domain, such as `agent on plot where agent.bag > 0`, and the scope inside it.
+
+    warns: whether a condition that never holds is reported.
+    """
     var = new_member(d, _entity_type_named(d.kind, scope), scope)
     restriction = None if d.restriction is None else _restriction(d.restriction, var, scope)
     inner = with_member(d, var, scope)
-    on = None
+    on: ir.Member | None = None
     conditions: list[ir.Expr] = []
     if d.on is not None:
         if is_member(var, "cell"):
             raise scope.misused(d.kind, "a kind of cell", "an agent (`agent on KIND`)")
         cell = _cell_around(d.on, inner)
-        if cell is None:
+        if cell is not None:  # `on plot` within `for plot …`: the agent stands on that cell
+            stands_at = ir.StandsAt(agent=var, cell=cell, origin=d.on.span)
+            conditions.append(stands_at)
+            inner = inner.knowing([stands_at, ir.StandsOn(agent=var, kinds=cell.kinds)])
+        else:  # `on plot` binds the cell below the agent
             entity_type = ir.EntityType("cell", kinds_named(d.on.kind, inner))
             on = new_member(d.on, entity_type, inner)
             inner = with_member(d.on, on, inner)
             inner = inner.knowing([ir.StandsOn(agent=var, kinds=on.kinds)])
-        else:
-            stands_at = ir.StandsAt(agent=var, cell=cell, origin=d.on.span)
-            conditions.append(stands_at)
-            inner = inner.knowing([stands_at, ir.StandsOn(agent=var, kinds=cell.kinds)])
     if d.where is not None:
         where = inner.condition(d.where)
         if warns:

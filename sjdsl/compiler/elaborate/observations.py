@@ -43,21 +43,8 @@ def observables(
 
     rules: those of a step.
     """
-    static = scope.static
-    seen = _seen_by_default(static)
-    shown: set[Key] = set()
-    broken_kinds: set[str] = set()  # kinds of which something is shown or hidden with a mistake
-    for observable in game.observables.values():
-        if isinstance(observable, ast.ShowEvent):
-            continue
-        kinds = set(static.kinds_of(observable.what.name.text) or ()) - broken_kinds
-        broken_kinds |= kinds
-        with scope.problems.skip_if_broken():
-            if isinstance(observable, ast.Show):
-                _show(observable, seen, shown, scope)
-            elif not _is_of_a_plane(observable, static):
-                _hide(observable, seen, scope)
-            broken_kinds -= kinds
+    seen = _seen_by_default(scope.static)
+    broken_kinds = _show_and_hide(game, seen, scope)
     whole = {kind for what, kind, field in seen if what == "cell" and not field}
     _check_shown_as_whole(whole, game, scope)
     _drop_fields_of_whole(whole, seen, rules, scope)
@@ -81,6 +68,28 @@ def _seen_by_default(static: Static) -> dict[Key, ir.Observable]:
             what="mover", kind=name, type=words((name,)), origin=movers.origin
         )
     return seen
+
+
+def _show_and_hide(game: Composition, seen: dict[Key, ir.Observable], scope: Scope) -> set[str]:
+    """Changes what is seen as `show` and `hide` say, in their order.
+
+    Returns the kinds of cells of which something is shown or hidden with a mistake.
+    """
+    static = scope.static
+    shown: set[Key] = set()
+    broken_kinds: set[str] = set()
+    for observable in game.observables.values():
+        if isinstance(observable, ast.ShowEvent):
+            continue
+        kinds = set(static.kinds_of(observable.what.name.text) or ()) - broken_kinds
+        broken_kinds |= kinds
+        with scope.problems.skip_if_broken():  # which leaves the block at a mistake
+            if isinstance(observable, ast.Show):
+                _show(observable, seen, shown, scope)
+            elif not _is_of_a_plane(observable, static):
+                _hide(observable, seen, scope)
+            broken_kinds -= kinds
+    return broken_kinds
 
 
 def _check_shown_as_whole(whole: set[str], game: Composition, scope: Scope) -> None:

@@ -25,9 +25,11 @@ SLACK = 2.0**-20  # of a result that is rounded more than once, relative; one ro
 class Range:
     """All that a number can be, from `low` to `high`, which may be infinite.
 
-    terms: the largest absolute value of what it is a sum of, to which rounding errors are relative.
-    steady: it is no difference of such terms, so that errors are relative to itself.
-    rounded_once: no more than one rounding is in it: it is no result, or whole.
+    whole: it is an int32; else a float32.
+    terms: the largest absolute value of the terms that it is a sum of: of `a - b`, the larger of
+      the two. Rounding errors are relative to it.
+    steady: its terms don't cancel each other, so that errors are relative to the number itself.
+    rounded_once: it is stored, written, whole, or the result of one rounding.
     sound: it is a number; False if it may be NaN.
     literal: it is computed from written numbers alone, perhaps before they are rounded to float32.
     """
@@ -85,12 +87,13 @@ def any_number(whole: bool) -> Range:
 
 
 def range_of_type(type_: Type) -> Range:
-    """Returns the range of a number that is no result.
+    """Returns the range of a number that is stored or written, so that nothing is rounded in it.
 
     A counter without a limit goes as far as int32.
     """
     if type_.kind == "real":
-        return to_float32(Range(type_.low, type_.high, whole=True))
+        exact = Range(type_.low, type_.high, whole=True)  # so that `to_float32` rounds its ends
+        return to_float32(exact)
     low = max(INT32[0], type_.low)
     high = min(INT32[1], type_.high)
     return Range(low, high, whole=True, terms=max(abs(low), abs(high)))

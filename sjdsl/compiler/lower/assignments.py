@@ -329,10 +329,10 @@ def _write(target: Target, value: Value, w: Writer) -> None:
     along = target.along
     key = target.key(w) if along is None else None
     if owner_axes is None:
-        _scatter(target, key, value, w)
+        _write_at_places(target, key, value, w)
         return
     if key is not None and size_of(without(key.axes, owner_axes)) > 1:
-        _scatter(target, key, value, w)
+        _write_at_places(target, key, value, w)
         return
     dtype = state_reads.storage(target.declared, w)
     row_dims = w.module.row_dims(target.read.type)
@@ -404,10 +404,11 @@ def _entry(
     return replace(before, node=after.node)
 
 
-def _scatter(target: Target, key: Value | None, value: Value, w: Writer) -> None:
-    """Writes a value where each instance says, at `[owner]`, `[entry]` or `[owner, entry]`.
+def _write_at_places(target: Target, key: Value | None, value: Value, w: Writer) -> None:
+    """Writes the value of each instance at the place that it computes.
 
-    Instances that do not happen write past the end, which is dropped.
+    A place is `[owner]`, `[entry]` of a row of the world, or `[owner, entry]`. Instances that don't
+    happen write past the end, which JAX drops.
     """
     scope = target.scope
     if target.who is None:

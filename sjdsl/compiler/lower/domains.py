@@ -92,11 +92,11 @@ def is_empty(d: ir.Domain, w: Writer) -> bool:
     return d.var.entity_type.what == "cell" and not num_cells(d.var.kinds)
 
 
-def in_set(members: Value, axis: Axis) -> Value:
-    """Returns which agents are in sets that are kept as bits, along a new last axis of agents."""
-    assert all(axis.order > a.order for a in members.axes)
-    kernel = "unpack" if members.row_dims else "from_bits"
-    return Value(call(kernel, members.node, axis.extent), "bool", (*members.axes, axis))
+def agents_in_sets(sets: Value, axis: Axis) -> Value:
+    """Returns whether each agent is in sets that are kept as bits, along a new last axis of agents."""
+    assert all(axis.order > other.order for other in sets.axes)
+    kernel = "unpack" if sets.row_dims else "from_bits"
+    return Value(call(kernel, sets.node, axis.extent), "bool", (*sets.axes, axis))
 
 
 def whole_set(d: ir.Domain, scope: IterationScope, w: Writer) -> Value | None:
@@ -151,7 +151,7 @@ def _bodies(d: ir.Domain, scope: IterationScope, w: Writer) -> IterationScope:
         case ir.Near():
             return inner.when(agents_in(d.restriction, variable, inner, w))
         case ir.InAgents(value=value):
-            return inner.when(in_set(w.value(value, scope), axis))
+            return inner.when(agents_in_sets(w.value(value, scope), axis))
         case _:
             return inner
 

@@ -178,8 +178,9 @@ def in_set(e: ir.InSet, scope: IterationScope, w: Writer) -> Value:
         axes = axes_of(container, value)
         node = call("has_member", row_aligned(container, axes), aligned(value, axes))
         return Value(node, "bool", axes)
-    shifted = as_dtype(container, "u32") >> as_dtype(value, "u32")
-    return (shifted & 1).ne(0)
+    bits = as_dtype(container, "u32")  # bit i is 1 if agent i is in the set
+    bits_from_agent = bits >> as_dtype(value, "u32")
+    return (bits_from_agent & 1).ne(0)
 
 
 def sum_row(e: ir.SumRow, scope: IterationScope, w: Writer) -> Value:

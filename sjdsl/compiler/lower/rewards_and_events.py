@@ -30,7 +30,7 @@ from sjdsl.compiler.lower.axes import (
     without,
 )
 from sjdsl.compiler.lower.condition_names import value_name
-from sjdsl.compiler.lower.domains import in_set
+from sjdsl.compiler.lower.domains import agents_in_sets
 from sjdsl.compiler.lower.entries import row_key
 from sjdsl.compiler.lower.expressions import agent, real
 from sjdsl.compiler.lower.scope import AgentVar, IterationScope
@@ -134,7 +134,7 @@ def _received(e: ir.Expr, amount: Value, scope: IterationScope, w: Writer, name:
         if by_bits:
             sets = select(scope.mask, members, 0)
             return _counted(sets, amount, axis, scope, w, name)
-        receives = scope.mask & in_set(members, axis)
+        receives = scope.mask & agents_in_sets(members, axis)
         return _summed(receives, amount, scope.axes, w, name)
     who = agent(e, scope, w)
     if who.axis is not None:

@@ -200,17 +200,20 @@ def share(uses: list[tuple[ir.Turn, Function]]) -> list[Turn]:
             uses_of.setdefault(declared, []).append((turn, function))
     calls: dict[str, Turn] = {}
     for declared, uses_of_phase in uses_of.items():
-        calls |= _one_function(phase_function(declared), uses_of_phase)
+        calls |= _share_phase(phase_function(declared), uses_of_phase)
     turns = []
     for turn, function in uses:
         turns.append(calls[turn.name] if isinstance(turn, ir.Phase) else Turn(function))
     return turns
 
 
-def _one_function(name: str, uses: list[tuple[ir.Phase, Function]]) -> dict[str, Turn]:
+def _share_phase(name: str, uses: list[tuple[ir.Phase, Function]]) -> dict[str, Turn]:
     """Returns the call of each use of a declared phase, by the use's name.
 
-    name: of the function that all uses call; if they can't share one, each calls its own.
+    `sprout(red)` and `sprout(blue)` call one function, with what differs between them as arguments.
+    If they differ in more than numbers and tables, each calls a function of its own.
+
+    name: of the function that they share.
     """
     separate = {phase.name: Turn(function) for phase, function in uses}
     if len(uses) == 1:
