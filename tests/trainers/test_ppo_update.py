@@ -226,7 +226,7 @@ def test_values_follow_the_rewards_of_each_agent() -> None:
     ended = jnp.ones((3, 4), bool)
     rollout = Rollout(
         observation=jnp.zeros((3, 4, 2, 1, 1), jnp.uint8),
-        state=None,
+        beside=None,
         fresh=ended,
         action=jnp.zeros((3, 4, 2), jnp.int32),
         reward=0 * reward,
@@ -335,7 +335,7 @@ def test_every_epoch_sees_every_sample_once() -> None:
         apply_fn=None, params={"values": jnp.zeros(samples)}, tx=optax.sgd(0.1 * minibatch)
     )
     networks = make_actor_critics(matching(1), config)
-    network = SimpleNamespace(apply=read, num_actions=2)
+    network = SimpleNamespace(apply=read, num_actions=2, config=config)
     networks = replace(networks, network=network)  # type: ignore[arg-type]
     orders = draw_orders(jax.random.key(0), 1, config)
     learner, _ = take_epochs(

@@ -1,7 +1,7 @@
 """Shaped rewards against their closed forms, and against loops written from the papers' definitions."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
@@ -233,7 +233,7 @@ def test_socialjax_sums_the_common_sum_again_for_vdn() -> None:
 
 
 def player(
-    shaping: Shaping, num_steps: int = 3
+    shaping: Shaping, num_steps: int = 3, horizons: Sequence[float] = ()
 ) -> tuple[Worlds, Callable[[Worlds, jax.Array], tuple[Worlds, Rollout]]]:
     """Returns eight worlds of `uneven`, and what plays a rollout in them. Episodes of two and five steps are cut anywhere."""
     env = tabled(uneven(), tables_of(uneven()))
@@ -242,11 +242,16 @@ def player(
         del key
         return (), jnp.zeros((worlds.fresh.shape[0], 2), jnp.int32), None
 
-    actor = Actor(act, pack=lambda observation: observation, follow=lambda _, __: ())
+    actor = Actor(
+        act,
+        pack=lambda observation: observation,
+        follow=lambda *_: (),
+        beside=lambda _, recent: recent,
+        horizons=horizons,
+    )
     play = jax.jit(partial(collect_rollout, env, actor, num_steps=num_steps, shaping=shaping))
-    return start_worlds(env, 8, (), jax.random.key(7)), lambda worlds, key: play(
-        worlds=worlds, key=key
-    )[:2]
+    worlds = start_worlds(env, 8, (), jax.random.key(7), horizons=horizons)
+    return worlds, lambda worlds, key: play(worlds=worlds, key=key)[:2]
 
 
 def played(shaping: Shaping, rollouts: int) -> dict[str, np.ndarray]:
@@ -274,6 +279,22 @@ def test_traces_decay_and_end_with_the_episode(smoothing: float) -> None:
             np.testing.assert_allclose(found["shaped_reward"][step, env], trace, rtol=1e-6)
             if found["done"][step, env]:
                 trace = np.zeros(2)
+
+
+def test_critics_may_read_what_others_have_earned_lately() -> None:
+    """Agent 0 is paid 1 a step, agent 1 nothing; each learns from the sum."""
+    worlds, play = player(make_shaping(make_config(reward="common"), 2), 18, (1.0, 4.0))
+    _, rollout = play(worlds, jax.random.key(0))
+    assert rollout.done.any(axis=0).all()
+    for env in range(8):
+        of_agent_1 = np.zeros(2)  # over 1 step and over 4
+        for step in range(18):
+            np.testing.assert_allclose(
+                rollout.beside[step, env], [[0.0, 0.0], of_agent_1], rtol=1e-6
+            )
+            of_agent_1 = np.array([1.0, 0.75 * of_agent_1[1] + 0.25])
+            if rollout.done[step, env]:
+                of_agent_1 = np.zeros(2)
 
 
 def test_svo_compares_single_steps_unless_smoothed() -> None:

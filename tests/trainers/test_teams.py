@@ -114,12 +114,13 @@ def test_one_agent_is_one_network_however_it_is_shared() -> None:
     "changes",
     [
         {"sharing": "per_agent"},
+        {"sharing": "per_agent", "reward": "common", "reward_horizons": (2.0, 9.0)},
         pytest.param({"sharing": "per_agent", "algorithm": "mappo"}, marks=pytest.mark.slow),
         pytest.param(
             {"sharing": "per_agent", "memory": "gru", "agent_id": True}, marks=pytest.mark.thorough
         ),
     ],
-    ids=["per agent", "mappo", "memory and numbers"],
+    ids=["per agent", "rewards of late", "mappo", "memory and numbers"],
 )
 def test_what_an_agent_does_comes_from_its_teams_network(changes: dict[str, Any]) -> None:
     """Logits, values and memory of all agents at once are those of each team's network on its own."""
@@ -131,13 +132,19 @@ def test_what_an_agent_does_comes_from_its_teams_network(changes: dict[str, Any]
             for step in (0, 1)
         ]
     )
-    joint = seen.reshape(2, 4, 3, 1, 1) if changes.get("algorithm") == "mappo" else None
+    recent = jnp.linspace(-1, 1, 2 * 4 * 3 * 2).reshape(2, 4, 3, 2)
+
+    def joint_of(agents: np.ndarray) -> jax.Array | None:
+        """Returns what the critic of some agents reads beside their windows."""
+        if "reward_horizons" in changes:
+            return jnp.arcsinh(10 * recent[:, :, agents])
+        return seen.reshape(2, 4, 3, 1, 1) if changes.get("algorithm") == "mappo" else None
 
     def both(key: jax.Array) -> tuple[Any, Any]:
         parameters = networks.init(key, env)
         start = networks.start_memory(4)
         _, logits, values = networks.apply(
-            parameters, start, seen, networks.joint(seen, None), fresh
+            parameters, start, seen, networks.joint(seen, recent), fresh
         )
         apart = []
         for index, agents in enumerate(networks.teams):
@@ -148,7 +155,7 @@ def test_what_an_agent_does_comes_from_its_teams_network(changes: dict[str, Any]
                     own,
                     network.start_memory(4),
                     seen[:, :, np.asarray(agents)],
-                    joint,
+                    joint_of(np.asarray(agents)),
                     fresh,
                     np.asarray(agents),
                 )[1:]

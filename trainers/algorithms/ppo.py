@@ -110,7 +110,9 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
         """Returns the state before the first update, with a learner for each team, `[G, ...]`."""
         key, network_key, worlds_key = jax.random.split(key, 3)
         memory = networks.start_memory(config.num_envs)
-        worlds = start_worlds(env, config.num_envs, memory, worlds_key, partners)
+        worlds = start_worlds(
+            env, config.num_envs, memory, worlds_key, partners, config.reward_horizons
+        )
         of_teams = networks.init(network_key, env)
         learner = jax.vmap(lambda parameters: start_learner(parameters, optimiser))(of_teams)
         return TrainState.start(key, learner, worlds)
@@ -145,8 +147,9 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
         learner: Any, worlds: Worlds, rollout: Rollout, memory: Memory, key: Array
     ) -> Any:
         """Returns the learner, its losses, and values `[L, M, N]` with their targets."""
+        beside = networks.beside(worlds.state, worlds.recent)
         _, _, last_value = _forward(
-            networks, learner.params, worlds.memory, worlds.observation, worlds.state, worlds.fresh
+            networks, learner.params, worlds.memory, worlds.observation, beside, worlds.fresh
         )
         batch = make_batch(rollout, memory, last_value, config)
         learner, losses = learn_teams(learner, batch, key, networks, config)
@@ -188,8 +191,9 @@ def make_actor(
 
     def act(worlds: Worlds, key: Array) -> tuple[Memory, Array, Acting]:
         """Returns the memory afterwards, drawn actions `[B, N]`, and what learning needs of them."""
+        beside = networks.beside(worlds.state, worlds.recent)
         memory, logits, value = _forward(
-            networks, parameters, worlds.memory, worlds.observation, worlds.state, worlds.fresh
+            networks, parameters, worlds.memory, worlds.observation, beside, worlds.fresh
         )
         if preferences is not None:
             logits = logits + preferences[:, None]
@@ -201,7 +205,7 @@ def make_actor(
         acting = Acting(log_probability, value, allowed, last, preferences)
         return memory, action, acting
 
-    def follow(memory: Memory, info: dict[str, Any]) -> Array:
+    def follow(memory: Memory, info: dict[str, Any], recent: Array) -> Array:
         """Returns the values `[B, N]` of the observations at which episodes were cut."""
         if networks.state_vector is not None and "terminal_state" not in info:
             raise ConfigError(
@@ -213,8 +217,8 @@ def make_actor(
             """Returns the values `[B, N]` of terminal observations."""
             fresh = jnp.zeros_like(info["truncated"])
             observation = info["terminal_observation"]
-            state = info.get("terminal_state")
-            _, _, values = _forward(networks, parameters, memory, observation, state, fresh)
+            beside = networks.beside(info.get("terminal_state"), recent)
+            _, _, values = _forward(networks, parameters, memory, observation, beside, fresh)
             return values
 
         return if_any_truncated(info, terminal_values)
@@ -224,7 +228,8 @@ def make_actor(
         networks.packing.pack,
         follow,
         networks.after_step,
-        keeps_state=networks.state_vector is not None,
+        networks.beside,
+        networks.network.config.reward_horizons,
     )
 
 
@@ -251,12 +256,12 @@ def _forward(
     parameters: Any,
     memory: Memory,
     observation: Array,
-    state: Any,
+    beside: Any,
     fresh: Array,
 ) -> tuple[Memory, Array, Array]:
     """Returns the memory afterwards, logits `[B, N, A]` and values `[B, N]` of one step."""
-    observation, state, fresh = jax.tree.map(lambda leaf: leaf[None], (observation, state, fresh))
-    joint = networks.joint(observation, state)
+    observation, beside, fresh = jax.tree.map(lambda leaf: leaf[None], (observation, beside, fresh))
+    joint = networks.joint(observation, beside)
     memory, logits, value = networks.apply(parameters, memory, observation, joint, fresh)
     return memory, logits[0], value[0]
 
@@ -283,7 +288,7 @@ def make_batch(rollout: Rollout, memory: Memory, last_value: Array, config: PPOC
     )
     steps = {
         "observation": rollout.observation,
-        "joint": rollout.state,
+        "joint": rollout.beside,
         "fresh": rollout.fresh,
         "action": rollout.action,
         "log_probability": acting.log_probability,
@@ -374,8 +379,10 @@ def take_minibatch(batch: Batch, indices: Array, agents: Array, networks: ActorC
     all_windows = networks.packing.unpack(of_sequences(batch.observation))
     of_agents = {name: jax.tree.map(of_team, getattr(batch, name)) for name in OF_AGENTS}
     of_agents["observation"] = networks.packing.unpack(of_agents["observation"])
+    of_critics = of_team if networks.reads_rewards else of_sequences
+    beside = jax.tree.map(of_critics, batch.joint)
     return Batch(
-        joint=networks.joint(all_windows, jax.tree.map(of_sequences, batch.joint)),
+        joint=networks.joint(all_windows, beside),
         fresh=of_sequences(batch.fresh),
         memory=jax.tree.map(lambda leaf: leaf[indices], batch.memory),
         preferences=jax.tree.map(of_sequences, batch.preferences),

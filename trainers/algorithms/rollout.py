@@ -1,6 +1,6 @@
 """Rollouts: T steps of B environments with the current policies, `[T, B, N, …]`."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -34,6 +34,9 @@ class Worlds:
     observation: Array  # [B, N, P, V, V] uint8
     fresh: Array  # [B] bool, an episode begins with the next step
     trace: Array  # [B, N] float32, smoothed raw rewards of the episode under way
+    # [B, N, K] float32: what shaped rewards have added to raw ones lately, on average over each
+    # horizon; so with common reward, what others have earned
+    recent: Array
     memory: Any  # of the agents; depends on the algorithm
     sums: EpisodeSums  # [B, ...] of the episodes under way
     partners: Any = ()  # [B, ...] memory of the agents that are held fixed
@@ -44,7 +47,7 @@ class Rollout:
     """T steps to learn from."""
 
     observation: Array  # [T, B, N, bytes] uint8, acted on, packed
-    state: Any  # [T, B, ...] acted in, for critics of the state; None if there are none
+    beside: Any  # [T, B, ...] what critics read beside windows; None if nothing
     fresh: Array  # [T, B] bool, the episode began with this step
     action: Array  # [T, B, N] int32
     reward: Array  # [T, B, N] float32, raw
@@ -61,29 +64,41 @@ class Actor:
 
     act: `(worlds, key) -> memory, action [B, N], kept`.
     pack: packs an observation for the rollout.
-    follow: `(memory, info) -> kept` after the step; `info` as the step gave it.
+    follow: `(memory, info, recent) -> kept` after the step; `info` as the step gave it, `recent` as
+      `Worlds.recent`, of the episode that the step was in.
     after_step: `(memory, action [B, N], reward [B, N], info) -> memory` after the step, before
       `follow`.
-    keeps_state: whether the rollout keeps the environments' states.
+    beside: `(state, recent) -> what critics read beside windows`, which the rollout keeps.
+    horizons: of the averages of recent rewards, in steps.
     """
 
     act: Callable[[Worlds, Array], tuple[Any, Array, Any]]
     pack: Callable[[Array], Array]
-    follow: Callable[[Any, dict[str, Any]], Any]
+    follow: Callable[[Any, dict[str, Any], Array], Any]
     after_step: Callable[[Any, Array, Array, Mapping[str, Any]], Any] = unchanged
-    keeps_state: bool = False
+    beside: Callable[[Any, Array], Any] = lambda *_: None
+    horizons: Sequence[float] = ()
 
 
 def start_worlds(
-    env: Environment, num_envs: int, memory: Any, key: Array, partners: Partners = NOBODY
+    env: Environment,
+    num_envs: int,
+    memory: Any,
+    key: Array,
+    partners: Partners = NOBODY,
+    horizons: Sequence[float] = (),
 ) -> Worlds:
-    """Returns `num_envs` fresh environments; `memory` is the agents' before their first step."""
+    """Returns `num_envs` fresh environments.
+
+    memory: the agents' before their first step. horizons: as those of the actor.
+    """
     observation, state = jax.vmap(env.reset)(jax.random.split(key, num_envs))
     return Worlds(
         state=state,
         observation=observation,
         fresh=jnp.ones(num_envs, bool),
         trace=jnp.zeros((num_envs, env.num_agents), jnp.float32),
+        recent=jnp.zeros((num_envs, env.num_agents, len(horizons)), jnp.float32),
         memory=memory,
         sums=zero_sums(env, num_envs),
         partners=partners.policy.starts(num_envs),
@@ -138,6 +153,7 @@ def collect_rollout(
       the worlds afterwards, the rollout, the total over the episodes that finished in it, and the
       game's metrics averaged over all its steps.
     """
+    weights = 1.0 / jnp.asarray(actor.horizons, jnp.float32)
 
     def advance(
         worlds: Worlds, key: Array
@@ -177,10 +193,12 @@ def collect_rollout(
             truncated=info["truncated"],
         )
         shaped_reward = shaping.shape(step)
+        added = (shaped_reward - reward)[..., None]
+        recent = worlds.recent + weights * (added - worlds.recent)
         sums, finished = split_finished(add_step(worlds.sums, reward, shaped_reward, info), done)
         played = Rollout(
             observation=actor.pack(worlds.observation),
-            state=worlds.state if actor.keeps_state else None,
+            beside=actor.beside(worlds.state, worlds.recent),
             fresh=worlds.fresh,
             action=action,
             reward=reward,
@@ -188,13 +206,14 @@ def collect_rollout(
             done=done,
             truncated=info["truncated"],
             acting=acting,
-            ending=actor.follow(memory, info),
+            ending=actor.follow(memory, info, recent),
         )
         after = Worlds(
             state=state,
             observation=observation,
             fresh=done,
             trace=jnp.where(done[:, None], 0.0, trace),
+            recent=jnp.where(done[:, None, None], 0.0, recent),
             memory=memory,
             sums=sums,
             partners=partners_memory,

@@ -99,9 +99,9 @@ def make_vdn(env: Environment, config: VDNConfig, partners: Partners) -> Train:
             values = team.values(parameters, worlds.observation)
             return (), explore(key, values, allowed, epsilon), team.best(values, allowed)
 
-        def follow(memory: Any, info: dict[str, Any]) -> Any:
+        def follow(memory: Any, info: dict[str, Any], recent: Array) -> Any:
             """Returns what a replayed step led to; else the values `[B]` where episodes were cut."""
-            del memory
+            del memory, recent
             observation = info["terminal_observation"]
             state = info.get("terminal_state")
             if replays:

@@ -18,6 +18,8 @@ from .packing import Packing, make_packing
 from .teams import make_teams, over_teams
 
 AGENTS_AXIS = 2  # of observations, logits and values `[L, M, N, ...]`
+# Critics read averages of rewards in this unit: below it in proportion, above it by their logarithm.
+REWARD_UNIT = 0.1
 
 
 @dataclass(frozen=True)
@@ -26,12 +28,17 @@ class ActorCritics:
 
     teams: np.ndarray  # [G, S] int32, numbers of agents
     network: ActorCritic
-    # zeros [1, 1, ...] in place of a central critic's input; None: critics are local
+    # zeros [1, 1, ...] in place of what critics read beside windows; None: nothing
     blank_joint: Array | None
     # of one state `[K]` float32, if that is the critic's input
     state_vector: Callable[[Any], Array] | None
     packing: Packing  # of the observations in a rollout
     masks: bool  # whether forbidden actions are never taken
+
+    @property
+    def reads_rewards(self) -> bool:
+        """Whether critics read what rewards have been lately, see `Worlds.recent`."""
+        return bool(self.network.config.reward_horizons)
 
     def init(self, key: Array, env: Environment) -> Any:
         """Returns initial parameters, leaves `[G, ...]`, drawn with a key for each team."""
@@ -41,8 +48,11 @@ class ActorCritics:
         fresh = jnp.ones((1, 1), bool)
         memory = self.network.start_memory(1)
         agents = jnp.asarray(self.teams[0])
+        joint = self.blank_joint
+        if joint is not None and self.reads_rewards:
+            joint = joint[:, :, agents]
         drawn = [
-            self.network.init(team_key, memory, seen, self.blank_joint, fresh, agents)
+            self.network.init(team_key, memory, seen, joint, fresh, agents)
             for team_key in jax.random.split(key, number)
         ]
         return jax.tree.map(lambda *leaves: jnp.stack(leaves), *drawn)
@@ -69,16 +79,25 @@ class ActorCritics:
         of_teams = {name: leaf[:, self.teams[:, None]] for name, leaf in last.items()}
         return memory | {"last": of_teams}
 
-    def joint(self, observation: Array, state: Any) -> Array | None:
-        """Returns the input of central critics `[L, M, ...]`, or None.
+    def beside(self, state: Any, recent: Array) -> Any:
+        """Returns what critics read beside windows: states or recent rewards `[B, ...]`, or None."""
+        if self.state_vector is not None:
+            return state
+        return recent if self.reads_rewards else None
 
-        It is all windows `[L, M, N, P, V, V]`, plane after plane, or states `[L, M, ...]` as
-        vectors.
+    def joint(self, observation: Array, beside: Any) -> Array | None:
+        """Returns the input of critics beside an agent's own window `[L, M, ...]`, or None.
+
+        It is all windows `[L, M, N, P, V, V]`, plane after plane; or states `[L, M, ...]` as
+        vectors; or of local critics what each agent's rewards have been lately `[L, M, N, K]`, by a
+        function that grows like a logarithm, as the rewards of games differ in size.
         """
         if self.blank_joint is None:
             return None
         if self.state_vector is not None:
-            return jax.vmap(jax.vmap(self.state_vector))(state)
+            return jax.vmap(jax.vmap(self.state_vector))(beside)
+        if self.reads_rewards:
+            return jnp.arcsinh(beside / REWARD_UNIT)
         return observation.reshape(*observation.shape[:2], *self.blank_joint.shape[2:])
 
     def apply(
@@ -97,18 +116,26 @@ class ActorCritics:
         """
         number, size = self.teams.shape
         num_agents = observation.shape[AGENTS_AXIS]
-        if number == 1 and size == num_agents:  # one team of everybody, in order
-            observation = observation[:, :, None]
-        else:
-            observation = observation[:, :, jnp.asarray(self.teams)]
+
+        def of_teams(leaf: Array) -> Array:
+            if number == 1 and size == num_agents:  # one team of everybody, in order
+                return leaf[:, :, None]
+            return leaf[:, :, jnp.asarray(self.teams)]
+
+        joint_axis = None
+        if joint is not None and self.reads_rewards:
+            joint = of_teams(joint)
+            joint_axis = AGENTS_AXIS
         apply = over_teams(
             self.network.apply,
             number,
-            in_axes=(0, 1, AGENTS_AXIS, None, None, 0),
+            in_axes=(0, 1, AGENTS_AXIS, joint_axis, None, 0),
             out_axes=(1, AGENTS_AXIS, AGENTS_AXIS),
         )
         agents = jnp.asarray(self.teams)
-        memory, logits, values = apply(parameters, memory, observation, joint, fresh, agents)
+        memory, logits, values = apply(
+            parameters, memory, of_teams(observation), joint, fresh, agents
+        )
         return memory, self._by_agent(logits, num_agents), self._by_agent(values, num_agents)
 
     def _by_agent(self, results: Array, num_agents: int) -> Array:
@@ -152,6 +179,9 @@ def make_actor_critics(env: Environment, config: PPOConfig) -> ActorCritics:
     elif config.critic_has_torso:
         joint_planes = planes * env.num_agents
         blank_joint = jnp.zeros((1, 1, len(joint_planes), *observation.shape[2:]), jnp.uint8)
+    elif config.reward_horizons:
+        shape = (1, 1, env.num_agents, len(config.reward_horizons))
+        blank_joint = jnp.zeros(shape, jnp.float32)
     teams = make_teams(env, config)
     network = ActorCritic(
         num_actions=env.num_actions,

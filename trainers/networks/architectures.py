@@ -195,10 +195,11 @@ class ActorCritic(nn.Module):
     """The network that S agents share: a policy given an agent's window, and a value.
 
     Policy and value share one torso, and a hidden layer after it if `share_hidden`. The value
-    depends on the agent's own window; with `critic=pooled` also on the mean over the S agents of
-    these features. Or the critic is a network of its own that sees `joint`, the same for all
-    agents, and returns all S values at once, so it doesn't need agents' numbers. It reads the last
-    steps of all S agents if each agent reads its own.
+    depends on the agent's own window; with `reward_horizons` also on what its rewards have been
+    lately, and with `critic=pooled` on the mean over the S agents of these features. Or the critic
+    is a network of its own that sees `joint`, the same for all agents, and returns all S values at
+    once, so it doesn't need agents' numbers. It reads the last steps of all S agents if each agent
+    reads its own.
     """
 
     num_actions: int
@@ -223,7 +224,8 @@ class ActorCritic(nn.Module):
           memory: from the previous step; initially from `start_memory`. To read several steps, it
             has what agents read in each, as `over_rollout` returns it.
           observation: `[L, M, S, P, V, V]` uint8.
-          joint: `[L, M, ...]`, the input of a critic with a torso of its own, or None.
+          joint: `[L, M, ...]`, the input of a critic with a torso of its own, or what
+            rewards have been lately `[L, M, S, K]`, or None.
           fresh: `[L, M]` bool, whether the episode starts with this step.
           agents: `[S]` int32, the numbers of the agents; used only if they are an input.
         Returns:
@@ -245,6 +247,8 @@ class ActorCritic(nn.Module):
         if self.joint_planes is None:
             if config.algorithm == "mappo":  # with `critic=pooled`
                 features = with_mean_of_agents(features)
+            if joint is not None:
+                features = jnp.concatenate([features, joint.astype(features.dtype)], axis=-1)
             return memory, logits, critic(1)(features)[..., 0]
         assert joint is not None
         features = Torso(self.joint_planes, config, name="critic_torso")(joint)

@@ -21,6 +21,7 @@ SHAPING_NETWORKS = (
     "agent_id",
     "sharing",
     "critic",
+    "reward_horizons",
     "memory",
     "memory_reads",
     "partners",
