@@ -26,6 +26,7 @@ ACTING = {
     *(
         "precision",
         "critic",
+        "reward_horizons",
         "sharing",
         "memory",
         "memory_reads",
