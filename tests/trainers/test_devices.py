@@ -45,7 +45,7 @@ def test_minibatches_must_divide_into_devices(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(ppo.jax, "devices", lambda: [*jax.local_devices()] * 2)
     with pytest.raises(
         ConfigError,
-        match="a minibatch of 125 steps cannot be spread over 2 devices; choose num_minibatches so that",
+        match="spread over 2 devices; the largest below it that works is 2",
     ):
         ppo.check_minibatches(PPOConfig(num_envs=4, num_steps=125, num_minibatches=4))
     ppo.check_minibatches(PPOConfig(num_envs=4, num_steps=125, num_minibatches=2))

@@ -15,31 +15,28 @@ def check_minibatches(config: PPOConfig | VDNConfig) -> None:
     """Raises ConfigError if the rollout doesn't divide into minibatches, or these into devices."""
     devices = len(jax.devices())
     parts = config.num_minibatches
-    if _remembers(config) and config.num_envs % parts:
-        raise ConfigError(
-            f"networks with memory learn from whole rollouts: num_envs = {config.num_envs} cannot "
-            f"be split into num_minibatches = {parts} equal parts; "
-            f"the largest that works is {max(config.num_envs // devices, 1)}"
-        )
-    if not _remembers(config) and config.steps_per_update % parts:
-        raise ConfigError(
-            f"num_envs x num_steps = {config.num_envs} x {config.num_steps} = "
-            f"{config.steps_per_update} steps cannot be split "
-            f"into num_minibatches = {parts} equal parts"
-        )
-    size = minibatch_size(config)
-    if size % devices:
-        unit = "environments" if _remembers(config) else "steps"
-        raise ConfigError(
-            f"a minibatch of {size} {unit} cannot be spread over {devices} devices; "
-            "choose num_minibatches so that it is a multiple"
-        )
+    sequences = _num_sequences(config)
+    if sequences % (parts * devices) == 0:
+        return
+    steps = f"num_envs x num_steps = {config.num_envs} x {config.num_steps} = {sequences} steps"
+    if _remembers(config):
+        steps = f"num_envs = {sequences}, as networks with memory learn from whole rollouts,"
+    over_devices = f", each of them spread over {devices} devices" if devices > 1 else ""
+    fitting = [number for number in range(1, parts) if sequences % (number * devices) == 0]
+    repair = f"the largest below it that works is {fitting[-1]}" if fitting else "none works"
+    raise ConfigError(
+        f"{steps} cannot be split into num_minibatches = {parts} equal parts{over_devices}; {repair}"
+    )
 
 
 def minibatch_size(config: PPOConfig | VDNConfig) -> int:
     """Returns the number of sequences in a minibatch: steps, or whole rollouts with memory."""
-    sequences = config.num_envs if _remembers(config) else config.steps_per_update
-    return sequences // config.num_minibatches
+    return _num_sequences(config) // config.num_minibatches
+
+
+def _num_sequences(config: PPOConfig | VDNConfig) -> int:
+    """Returns the number of sequences in a rollout."""
+    return config.num_envs if _remembers(config) else config.steps_per_update
 
 
 def _remembers(config: PPOConfig | VDNConfig) -> bool:
