@@ -7,7 +7,6 @@ from sjdsl.experiments.diagram import Diagram
 from sjdsl.experiments.mixtures import CrossPlay
 from sjdsl.experiments.scenario_scores import RANDOM, ScenarioScores
 from sjdsl.experiments.usage import too_many_invalid, usage_text
-from sjdsl.trainers.policies.estimates import number
 
 
 def diagram_text(diagram: Diagram) -> str:
@@ -100,8 +99,8 @@ def scenarios_text(scores: ScenarioScores) -> str:
                 f"{score.number_focal} of {scores.experiment.env.num_agents}",
                 str(score.focal),
                 "none" if score.background is None else str(score.background),
-                number(score.baseline(RANDOM).mean),
-                f"{number(score.baseline(score.best).mean)}, {score.best}",
+                str(score.baseline(RANDOM)),
+                f"{score.baseline(score.best)}, {score.best}",
                 "undefined" if score.score is None else f"{score.score:.3g}",
             )
         )
