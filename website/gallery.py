@@ -164,6 +164,7 @@ def game_page(shown: Shown, root: Path) -> str:
     if shown.name in figures:
         lines += ["## Random play", "", *random_play(figures[shown.name]), ""]
     sheet = rule_sheet(shown.written).split("\n", 1)[1]
+    sheet = sheet.replace(f"{shown.summary}\n\n", "", 1)  # the page begins with it
     return "\n".join([*lines, "## The rules", "", raised(sheet, -1)])
 
 
