@@ -281,20 +281,18 @@ def test_traces_decay_and_end_with_the_episode(smoothing: float) -> None:
                 trace = np.zeros(2)
 
 
-def test_critics_may_read_what_others_have_earned_lately() -> None:
+def test_critics_may_read_averages_of_what_was_learnt_from() -> None:
     """Agent 0 is paid 1 a step, agent 1 nothing; each learns from the sum."""
     worlds, play = player(make_shaping(make_config(reward="common"), 2), 18, (1.0, 4.0))
     _, rollout = play(worlds, jax.random.key(0))
     assert rollout.done.any(axis=0).all()
     for env in range(8):
-        of_agent_1 = np.zeros(2)  # over 1 step and over 4
+        average = np.zeros(2)  # over 1 step and over 4, the same for both agents
         for step in range(18):
-            np.testing.assert_allclose(
-                rollout.beside[step, env], [[0.0, 0.0], of_agent_1], rtol=1e-6
-            )
-            of_agent_1 = np.array([1.0, 0.75 * of_agent_1[1] + 0.25])
+            np.testing.assert_allclose(rollout.beside[step, env], [average, average], rtol=1e-6)
+            average = np.array([1.0, 0.75 * average[1] + 0.25])
             if rollout.done[step, env]:
-                of_agent_1 = np.zeros(2)
+                average = np.zeros(2)
 
 
 def test_svo_compares_single_steps_unless_smoothed() -> None:

@@ -73,6 +73,7 @@ OTHERS: dict[str, Any] = {
     "svo_at_rest": "content",
     "convolution_sides": (3,),
     "critic": "state",
+    "reward_horizons": (5.0,),
 }
 
 
@@ -112,7 +113,7 @@ def test_rewards_read_what_they_are_said_to(algorithm: str, reward: str) -> None
 
     config = make_config(algorithm=algorithm, reward=reward)
     for name, mark in dependent_settings(type(config)).items():
-        if mark.setting == "reward" and name != "reward_horizons":  # which critics read
+        if mark.setting == "reward":
             changed = program(config.model_copy(update={name: other(config, name)})) != program(
                 config
             )

@@ -34,9 +34,7 @@ class Worlds:
     observation: Array  # [B, N, P, V, V] uint8
     fresh: Array  # [B] bool, an episode begins with the next step
     trace: Array  # [B, N] float32, smoothed raw rewards of the episode under way
-    # [B, N, K] float32: what shaped rewards have added to raw ones lately, on average over each
-    # horizon; so with common reward, what others have earned
-    recent: Array
+    recent: Array  # [B, N, K] float32, averages of recent shaped rewards, one for each horizon
     memory: Any  # of the agents; depends on the algorithm
     sums: EpisodeSums  # [B, ...] of the episodes under way
     partners: Any = ()  # [B, ...] memory of the agents that are held fixed
@@ -193,8 +191,7 @@ def collect_rollout(
             truncated=info["truncated"],
         )
         shaped_reward = shaping.shape(step)
-        added = (shaped_reward - reward)[..., None]
-        recent = worlds.recent + weights * (added - worlds.recent)
+        recent = worlds.recent + weights * (shaped_reward[..., None] - worlds.recent)
         sums, finished = split_finished(add_step(worlds.sums, reward, shaped_reward, info), done)
         played = Rollout(
             observation=actor.pack(worlds.observation),

@@ -37,7 +37,7 @@ class ActorCritics:
 
     @property
     def reads_rewards(self) -> bool:
-        """Whether critics read what rewards have been lately, see `Worlds.recent`."""
+        """Whether critics read averages of recent rewards."""
         return bool(self.network.config.reward_horizons)
 
     def init(self, key: Array, env: Environment) -> Any:
@@ -89,8 +89,8 @@ class ActorCritics:
         """Returns the input of critics beside an agent's own window `[L, M, ...]`, or None.
 
         It is all windows `[L, M, N, P, V, V]`, plane after plane; or states `[L, M, ...]` as
-        vectors; or of local critics what each agent's rewards have been lately `[L, M, N, K]`, by a
-        function that grows like a logarithm, as the rewards of games differ in size.
+        vectors; or the averages of each agent's recent rewards `[L, M, N, K]`, by a function that
+        grows like a logarithm, as the rewards of games differ in size.
         """
         if self.blank_joint is None:
             return None

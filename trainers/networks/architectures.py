@@ -195,9 +195,9 @@ class ActorCritic(nn.Module):
     """The network that S agents share: a policy given an agent's window, and a value.
 
     Policy and value share one torso, and a hidden layer after it if `share_hidden`. The value
-    depends on the agent's own window; with `reward_horizons` also on what its rewards have been
-    lately, and with `critic=pooled` on the mean over the S agents of these features. Or the critic
-    is a network of its own that sees `joint`, the same for all agents, and returns all S values at
+    depends on the agent's own window; with `reward_horizons` also on its recent rewards, and
+    with `critic=pooled` on the mean over the S agents of what is made of windows. Or the critic is
+    a network of its own that sees `joint`, the same for all agents, and returns all S values at
     once, so it doesn't need agents' numbers. It reads the last steps of all S agents if each agent
     reads its own.
     """
@@ -224,8 +224,8 @@ class ActorCritic(nn.Module):
           memory: from the previous step; initially from `start_memory`. To read several steps, it
             has what agents read in each, as `over_rollout` returns it.
           observation: `[L, M, S, P, V, V]` uint8.
-          joint: `[L, M, ...]`, the input of a critic with a torso of its own, or what
-            rewards have been lately `[L, M, S, K]`, or None.
+          joint: `[L, M, ...]`, the input of a critic with a torso of its own, or the
+            averages of recent rewards `[L, M, S, K]`, or None.
           fresh: `[L, M]` bool, whether the episode starts with this step.
           agents: `[S]` int32, the numbers of the agents; used only if they are an input.
         Returns:

@@ -218,11 +218,6 @@ MAPPO = only("algorithm", "mappo")
 ONE_TORSO = Only(
     "critic", "pooled", lambda config: config.algorithm != "mappo" or config.critic == "pooled"
 )
-ADDED_REWARD = Only(
-    "reward",
-    "common or another that isn't individual, and `critic` to pooled",
-    lambda config: ONE_TORSO.holds(config) and config.reward != "individual",
-)
 REMEMBERED = only("memory", "gru")
 BUFFER = only("replay", "buffer")
 ROLLOUT = only("replay", "none")
@@ -420,9 +415,9 @@ class PPOConfig(Config):
 
     # actor and critic have a hidden layer in common after the torso, instead of one each
     share_hidden: Annotated[bool, ONE_TORSO] = False
-    # Critics also read what the agent's shaped reward has added to its own lately (with common
-    # reward: what others have earned), as averages over about so many steps.
-    reward_horizons: Annotated[Horizons, ADDED_REWARD] = ()
+    # critics also read the averages of what their agent has learnt from lately, its shaped rewards,
+    # over about so many steps
+    reward_horizons: Annotated[Horizons, ONE_TORSO] = ()
     # what a critic reads: in a network of its own, all agents' windows, or the state; or `pooled`,
     # what the actors' network makes of the agent's window, and the mean of that over all agents
     critic: Annotated[Literal["observations", "state", "pooled"], MAPPO] = "observations"
