@@ -331,7 +331,7 @@ def test_inequity_may_compare_single_steps() -> None:
 
 def test_traces_are_in_checkpoints(tmp_path: Path) -> None:
     """What is played after a checkpoint in the middle of episodes is what would have been played without it."""
-    worlds, play = player(make_shaping(make_config(reward="inequity"), 2))
+    worlds, play = player(make_shaping(make_config(reward="inequity"), 2), horizons=(4.0,))
     between, _ = play(worlds, jax.random.key(1))
     checkpoints = Checkpoints(tmp_path)
     checkpoints.save(1, between)
@@ -339,3 +339,5 @@ def test_traces_are_in_checkpoints(tmp_path: Path) -> None:
     assert np.asarray(restored.trace[:, 0] > 0).any()
     on, again = (play(state, jax.random.key(2))[1] for state in (between, restored))
     np.testing.assert_array_equal(on.shaped_reward, again.shaped_reward)
+    np.testing.assert_array_equal(on.beside, again.beside)
+    assert np.asarray(on.beside[0, :, 0] != 0).any()
