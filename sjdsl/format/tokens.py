@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import accumulate, pairwise
+from itertools import accumulate
 
 from lark import Token
 
@@ -139,13 +139,13 @@ class Tokens:
           indent: columns of the lines.
         """
         for neighbours in self._neighbours(lines):
-            # Of each line, the tokens that begin its columns.
+            # A row for each declaration: the tokens that begin its cells.
             rows = [(start, *self.structure.columns[start][1]) for start, _ in neighbours]
-            added: dict[int, int] = {}  # spaces before tokens that begin a column
-            for column in zip(*map(pairwise, rows), strict=True):
-                widths = {end: self.width(start, end - 1) for start, end in column}
-                widest = max(widths.values())
-                added |= {end: widest - width for end, width in widths.items()}
+            added: dict[int, int] = {}  # token that begins a cell -> more spaces before it
+            for column in range(len(rows[0]) - 1):
+                widths = [self.width(row[column], row[column + 1] - 1) for row in rows]
+                for row, width in zip(rows, widths, strict=True):
+                    added[row[column + 1]] = max(widths) - width
             if all(self._has_room(start, end, indent, added) for start, end in neighbours):
                 self.columns |= added
 

@@ -70,25 +70,29 @@ class Verification:
           progress: called with how far the play is, a few hundred times.
         """
         effort = effort or Effort()
+        checks = family.own.checks
         self.family = family
+        self.numbers = [i for i in range(len(checks)) if only is None or i in only]
         self.has_played = False
         self._progress = progress
         self._full = effort.full
-        checks = family.own.checks
-        self.numbers = [i for i in range(len(checks)) if only is None or i in only]
+        self._reals_may_leave = only is None and may_leave_float32(family.own)
+        self._faults: list[Verdict] = []  # of episodes
         self._known: dict[int, Verdict] = {}
         for i in self.numbers:
             verdict = decide_statically(family, i)
             if verdict is not None:
                 self._known[i] = verdict
-        played = [i for i in self.numbers if i not in self._known]
+
+        # The other checks are decided by play: an `expect` by episodes, all others by a search.
+        to_play = [i for i in self.numbers if i not in self._known]
         leaves = leaf_statements(family.own)
-        self._needed = {i: statements_needed_by(checks[i], family.own, leaves) for i in played}
-        states = [i for i in played if checks[i].kind != "expect"]
-        self._reals_may_leave = only is None and may_leave_float32(family.own)
-        self._search = Search(family, states, effort, self._needed, progress, self._reals_may_leave)
+        self._needed = {i: statements_needed_by(checks[i], family.own, leaves) for i in to_play}
+        searched = [i for i in to_play if checks[i].kind != "expect"]
+        self._search = Search(
+            family, searched, effort, self._needed, progress, self._reals_may_leave
+        )
         self._runner = EpisodeRunner(family, effort.seed)
-        self._faults: list[Verdict] = []  # of episodes
 
     def verdict(self, number: int) -> Verdict:
         """Returns the verdict on a check.
