@@ -8,7 +8,7 @@ from sjdsl.doc.wording import joined, number
 from sjdsl.told.codes import HEADING_UNSEEN, UNSEEN
 from sjdsl.told.legal import looks_north
 from sjdsl.told.phrases import English
-from sjdsl.told.relevance import Relevant, fields_read
+from sjdsl.told.relevance import FieldName, Relevant, fields_read
 from sjdsl.told.window import Window
 
 NOBODY = "nobody"  # the label of `other.` planes where no agent is
@@ -186,16 +186,28 @@ def _name(observable: ir.Observable) -> str:
 
 
 def not_shown(relevant: Relevant) -> list[str]:
-    """Returns the fields that the rules speak of and no observation shows or tells of."""
-    shown = set()
-    for observable in relevant.game.observables:
-        shown |= fields_read(observable)
+    """Returns the fields that the rules speak of and no observation shows or tells of.
+
+    Those of the player's own agent are `agent.NAME`, those of the others `other.NAME`.
+    """
+    game = relevant.game
+    shown: set[FieldName] = set()
+    shown_of_others: set[FieldName] = set()
+    for observable in game.observables:
+        held_by = observable.entity_type
+        fields = fields_read(observable) | {(held_by.what, held_by.name, observable.field)}
+        if observable.what in ("other", "everyone"):
+            shown_of_others |= fields
         if observable.what != "other":
-            shown.add((observable.entity_type.what, observable.entity_type.name, observable.field))
-    return [
-        field.name if field.held_by.what == "world" else f"{field.held_by.name}.{field.name}"
-        for field in all_fields(relevant.game)
-        if relevant.has(field)
-        and field.name != "heading"
-        and (field.held_by.what, field.held_by.name, field.name) not in shown
-    ]
+            shown |= fields
+    names = []
+    for field in all_fields(game):
+        held_by = field.held_by
+        key = (held_by.what, held_by.name, field.name)
+        if not relevant.has(field) or field.name == "heading":
+            continue
+        if key not in shown:
+            names.append(field.name if held_by.what == "world" else f"{held_by.name}.{field.name}")
+        if held_by.what == "agent" and game.agents.number > 1 and key not in shown_of_others:
+            names.append(f"other.{field.name}")
+    return names

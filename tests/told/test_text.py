@@ -243,6 +243,13 @@ def test_values_below_the_window_are_those_that_a_player_can_see() -> None:
     assert "- gate always looks like floor.\n" in told(game("chicken_in_the_matrix"))
 
 
+def test_what_others_carry_is_said_to_be_unseen() -> None:
+    """In Gift Refinement an agent sees its own bag alone, in LB Foraging the levels of all."""
+    unseen = "You are not shown: other.bag, agent.post and other.post.\n"
+    assert unseen in told(game("gift_refinement"))
+    assert "You are not shown" not in told(game("lb_foraging"))
+
+
 def test_what_stays_from_trial_to_trial_is_told() -> None:
     text = told(game("open_harvest"))
     kept = "these keep their values from one trial to the next, whatever is said there: each tree"
