@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from sjdsl.models import Limits
+from sjdsl.models.account import check_price
 from sjdsl.models.asking import PARALLEL
 
 if TYPE_CHECKING:
@@ -88,8 +89,9 @@ def show_forecast(
 
     description: everything that the results in the folder depend on.
 
-    Raises UsageError for options about models in an experiment without one, and ExperimentError if
-    what they have been asked is wanted of a folder that holds another experiment.
+    Raises UsageError for options about models in an experiment without one, ModelError for a budget
+    without a price, and ExperimentError if what they have been asked is wanted of a folder that
+    holds another experiment.
     """
     limits = asking.limits
     if not experiment.hosts:
@@ -103,6 +105,10 @@ def show_forecast(
     if asking.status:
         click.echo(status_text(experiment, folder, description))
         raise click.exceptions.Exit(0)
+    for pool in experiment.hosts:
+        for player in pool.players:
+            assert player.host is not None
+            check_price(player.host, limits)
     of_models = forecasts(experiment)
     calls = sum(forecast.calls for forecast in of_models.values())
     if asking.dry_run or calls > MANY_CALLS:

@@ -11,6 +11,7 @@ from sjdsl import files
 from sjdsl.experiments.refusals import ExperimentError
 from sjdsl.files import UNFINISHED, write_whole
 from sjdsl.models.recorded import FOLDER as TALKS
+from sjdsl.models.recorded import UNANSWERED
 from sjdsl.trainers.json_files import plain, write_json
 
 DESCRIPTION = "experiment.json"
@@ -57,9 +58,10 @@ def require_same(path: Path, description: Mapping[str, Any]) -> None:
 
 def _has_results(path: Path) -> bool:
     """Whether an experiment has written its last file, which is in its folder; for scenarios,
-    beside it; or has replies of models, which may have cost money."""
+    beside it; or has asked models, which may have cost money."""
     last_files = (path / DIAGRAM, path / CROSS_PLAY, path.with_name(f"{path.name}.json"))
-    return any(file.exists() for file in (*last_files, path / TALKS))
+    calls = [*(path / TALKS).rglob("*.jsonl"), *(path / TALKS).glob(UNANSWERED)]
+    return any(file.exists() for file in (*last_files, *calls))
 
 
 def record_experiment(path: Path, description: Mapping[str, Any]) -> None:

@@ -135,6 +135,8 @@ class Account:
     def check_server_name(self, name: str, reply: Reply) -> None:
         """Raises ModelError if the server of a model calls it otherwise than before."""
         answer = reply.answer or Answer("")
+        if not answer.model:  # nobody's, or what came wasn't an answer of the model
+            return
         known = self.server_names.setdefault(name, answer.model)
         if known != answer.model:
             raise ModelError(
@@ -183,11 +185,13 @@ def name_of(policy: HostPolicy) -> str:
     return getattr(policy, "name", "") or type(policy).__name__
 
 
-def dollars_of(policy: HostPolicy, reply: Reply) -> float:
-    """Returns what a reply cost."""
+def dollars_of(policy: HostPolicy, reply: Reply, most: float) -> float:
+    """Returns what a reply cost; the most that it may have cost if the server counts no tokens."""
     answer = reply.answer or Answer("")
     if not isinstance(policy, Model):
         return 0.0
+    if answer.input == 0:
+        return most
     return policy.dollars(answer.input, answer.cached, answer.output)
 
 
@@ -199,13 +203,19 @@ def _sum(usages: Iterable[Usage]) -> Usage:
     return total
 
 
+def check_price(policy: HostPolicy, limits: Limits) -> None:
+    """Raises ModelError if a budget can't be kept, as a model has no price."""
+    is_priced = not isinstance(policy, Model) or policy.kind == "fake" or policy.price is not None
+    if limits.budget is not None and not is_priced:
+        raise ModelError(
+            f"--budget needs the `price` of {name_of(policy)} in its table; or limit the --calls"
+        )
+
+
 def _most_dollars(question: Question, limits: Limits) -> float:
-    """Returns the most that a call may cost. Raises ModelError if a budget can't be kept."""
+    """Returns the most that a call may cost. Raises ModelError as `check_price`."""
     policy = question.policy
+    check_price(policy, limits)
     if not isinstance(policy, Model):
         return 0.0
-    if limits.budget is not None and policy.price is None and policy.kind != "fake":
-        raise ModelError(
-            f"--budget needs the `price` of {policy.name} in its table; or limit the --calls"
-        )
     return policy.dollars(most_tokens(question.message), 0, policy.max_tokens)

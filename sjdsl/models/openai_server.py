@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from sjdsl.extras import needs
 from sjdsl.models.errors import ModelError, Unanswered
 from sjdsl.models.policy import Answer, Message
+from sjdsl.models.replies import whole_characters
 
 if TYPE_CHECKING:
     from openai import OpenAI
@@ -110,20 +111,32 @@ class OpenAIProvider:
 
     def _answer(self, completion: Any) -> Answer:
         choices = getattr(completion, "choices", None)
-        if not choices:
+        if not isinstance(choices, list) or not choices:
             return Answer("", finish="not a completion")
-        said = choices[0].message
-        usage = completion.usage
+        # The package doesn't check what a server sends.
+        said = getattr(choices[0], "message", None)
+        usage = getattr(completion, "usage", None)
         details = getattr(usage, "prompt_tokens_details", None)
         return Answer(
-            text=self._without_key(said.content or ""),
-            reasoning=self._without_key(getattr(said, "reasoning_content", None) or ""),
-            model=self._without_key(completion.model or ""),
-            finish=choices[0].finish_reason or "",
-            input=getattr(usage, "prompt_tokens", None) or 0,
-            cached=getattr(details, "cached_tokens", None) or 0,
-            output=getattr(usage, "completion_tokens", None) or 0,
+            text=self._text(said, "content"),
+            reasoning=self._text(said, "reasoning_content"),
+            model=self._text(completion, "model"),
+            finish=self._text(choices[0], "finish_reason"),
+            input=_count(usage, "prompt_tokens"),
+            cached=_count(details, "cached_tokens"),
+            output=_count(usage, "completion_tokens"),
         )
+
+    def _text(self, thing: Any, name: str) -> str:
+        """Returns a text that a server sent, without the key; empty if it sent something else."""
+        text = getattr(thing, name, None)
+        return self._without_key(whole_characters(text)) if isinstance(text, str) else ""
 
     def _without_key(self, text: str) -> str:
         return text.replace(self.key, "[key]") if self.key else text
+
+
+def _count(thing: Any, name: str) -> int:
+    """Returns a number of tokens that a server sent; 0 if it sent something else."""
+    number = getattr(thing, name, None)
+    return number if isinstance(number, int) and number > 0 else 0

@@ -36,7 +36,7 @@ def read_notes(text: str) -> Reply:
     notes = None if fields is None else fields.get("notes")
     if not isinstance(notes, list) or not all(isinstance(note, str) for note in notes):
         return Reply(STAY, problem="your notes could not be read, and stay", is_valid=False)
-    return Reply(STAY, notes=tuple(note[:LONGEST] for note in notes[:MOST_AFTER_A_TRIAL]))
+    return Reply(STAY, notes=tuple(_text(note)[:LONGEST] for note in notes[:MOST_AFTER_A_TRIAL]))
 
 
 def _fields(text: str) -> dict[str, Any] | None:
@@ -65,8 +65,13 @@ def _wrong_action(action: Any, message: Message) -> str:
     return f"there is no action {quoted!r}{meant(quoted, message.actions, those='')}"
 
 
+def whole_characters(text: str) -> str:
+    """Returns a text with `?` for halves of characters, which no file can hold."""
+    return text.encode(errors="replace").decode()
+
+
 def _text(value: Any) -> str:
-    return value if isinstance(value, str) else ""
+    return whole_characters(value) if isinstance(value, str) else ""
 
 
 def _note(value: Any) -> tuple[NoteEdit | None, str]:

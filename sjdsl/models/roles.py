@@ -35,7 +35,7 @@ def wordings(role: str, game: ir.Game) -> tuple[str, ...]:
         return of_game
     if role not in BUILT_IN:
         raise ModelError(
-            f"there is no role `{role}`{meant(role, BUILT_IN)}; or say in the game's file what it "
-            f'is: about player_{role} "…"'
+            f"there is no role `{role}`, and the game's file has no "
+            f'`about player_{role} "…"`{meant(role, BUILT_IN)}'
         )
     return BUILT_IN[role]

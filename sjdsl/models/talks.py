@@ -161,7 +161,7 @@ class Talks:
             reply,
             round(time.monotonic() - start, 3),
             datetime.now(UTC).isoformat(timespec="seconds"),
-            dollars_of(policy, reply),
+            dollars_of(policy, reply, noted),
             name_of(policy),
             policy.role,
         )

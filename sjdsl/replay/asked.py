@@ -59,12 +59,17 @@ def told_messages(
       agents: those whose messages are wanted; what they are told of the game comes first.
 
     Raises:
-      RecordingError: a player is no model of a file. ModelError: messages differ from the recorded.
+      RecordingError: a player is no model of a file, or none of these agents was asked. ModelError: messages differ from the recorded.
     """
     folder, episode = calls
     env: Any = player.env
     paths = {agent: file_of(folder, episode, agent) for agent in range(env.num_agents)}
     talks = {agent: read_talks(path) for agent, path in paths.items() if path.exists()}
+    if talks.keys().isdisjoint(agents):
+        raise RecordingError(
+            f"nobody was asked as agent {', '.join(map(str, agents))}; "
+            f"agents that were: {', '.join(map(str, talks)) or 'none'}"
+        )
     hosts = {agent: _model(recording, agent) for agent in talks}
     told: list[str] = []  # since the last step
     introduced: set[int] = set()  # whose text about the game was told

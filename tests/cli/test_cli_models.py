@@ -68,6 +68,41 @@ def test_episodes_of_an_experiment_are_replayed(folder: Path, sjdsl: Sjdsl) -> N
     assert "What counts for you is your own part of the rewards" in told  # the second wording
     assert told.count("YOUR LAST REWARD") == 3
     assert "has 3 finished ones" in sjdsl(*replay, "--episode", "3").text
+    silent = sjdsl(*replay, "--messages", "--agent", "1")
+    assert "nobody was asked as agent 1; agents that were: 0" in silent.err
+
+
+def test_an_odd_answer_does_not_stop_an_experiment(
+    folder: Path, sjdsl: Sjdsl, server: Server
+) -> None:
+    """The first is none, so that no model is named; the third counts no tokens."""
+    command = ("crossplay", str(MATRIX), "--slots", "models.toml:luna,stay", "--episodes", "1")
+    server.faults = ["empty", "ok", {"usage": None}]
+    assert sjdsl(*command, "-o", "odd").status == 0
+    assert sjdsl(*command, "-o", "even").status == 0
+    (odd,), (even,) = (
+        json.loads((folder / name / "talks/usage.json").read_text()) for name in ("odd", "even")
+    )
+    assert (odd["calls"], odd["invalid"], even["invalid"]) == (4, 1, 0)
+    assert odd["dollars"] > 2 * even["dollars"], "two calls count as the most they may have cost"
+
+
+def test_a_folder_in_which_nobody_answered_may_begin_anew(
+    folder: Path, sjdsl: Sjdsl, server: Server
+) -> None:
+    command = ("crossplay", str(MATRIX), "--slots", "models.toml:luna,stay", "--episodes", "1")
+    server.faults = [400]
+    assert sjdsl(*command, "-o", "out").status == 1
+    models = folder / "models.toml"
+    models.write_text(models.read_text() + "max_tokens = 77\n")
+    assert sjdsl(*command, "-o", "out").status == 0
+    models.write_text(models.read_text().replace("77", "78"))
+    assert "holds another experiment" in sjdsl(*command, "-o", "out").err
+    unpriced = "\n".join(line for line in models.read_text().splitlines() if "price" not in line)
+    models.write_text(unpriced)
+    dry = sjdsl(*command, "-o", "dry", "--budget", "1", "--dry-run")
+    assert (dry.status, (folder / "dry").exists()) == (1, False)
+    assert "--budget needs the `price` of luna" in dry.err
 
 
 def test_scenarios_by_the_wording_of_a_role(folder: Path, sjdsl: Sjdsl, server: Server) -> None:

@@ -17,11 +17,11 @@ class Server:
     """What it was asked, and how it answers.
 
     faults: of the first requests, in order: a status, `cut` (half a body), `slow`, `empty` (no
-    choices) or `ok`. reply: the text for a request. model: what it calls its model.
+    choices), `ok`, or fields of the completion. reply: the text for a request. model: what it calls its model.
     """
 
     reply: Reply
-    faults: list[int | str] = field(default_factory=list)
+    faults: list[int | str | dict[str, Any]] = field(default_factory=list)
     model: str = "luna-2026"
     requests: list[dict[str, Any]] = field(default_factory=list)
     keys: list[str] = field(default_factory=list)
@@ -65,6 +65,8 @@ def serving(server: Server) -> Iterator[Server]:
                 content = {"error": {"message": f"no: {self.headers['Authorization']}"}}
             elif fault == "empty":
                 content = {"object": "error"}
+            elif isinstance(fault, dict):
+                content |= fault
             data = json.dumps(content).encode()
             if fault == "slow":
                 time.sleep(0.6)

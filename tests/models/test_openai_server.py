@@ -7,6 +7,7 @@ import subprocess
 import sys
 import traceback
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -50,6 +51,32 @@ def test_what_is_sent_and_read() -> None:
     # All actions, so that it is the same at each step.
     assert schema["schema"]["properties"]["action"]["enum"] == ["stay", "forward", "zap"]
     assert server.keys == [KEY]
+
+
+@pytest.mark.parametrize(
+    "sent",
+    [
+        {"choices": [{"index": 0}]},
+        {"choices": ["text"]},
+        {"choices": "text"},
+        {"choices": [{"message": {"content": [{"type": "text", "text": FORWARD}]}}]},
+    ],
+)
+def test_an_answer_of_another_form_counts_as_stay(sent: dict[str, Any]) -> None:
+    with serving(Server(lambda _: FORWARD, faults=[sent])) as server:
+        reply = model(server).decide(0, ASKED)
+    assert (reply.action, reply.is_valid) == ("stay", False)
+
+
+def test_what_no_file_can_hold_is_replaced() -> None:
+    """Half a character, once in what the model wrote and once in what the server says of it."""
+    halved = FORWARD.replace("it is free", "\\ud83d free")
+    sent = {"model": "luna-\ud83d", "usage": {"prompt_tokens": "many", "completion_tokens": -3}}
+    with serving(Server(lambda _: halved, faults=[sent])) as server:
+        reply = model(server).decide(0, ASKED)
+    assert (reply.action, reply.why) == ("forward", "? free")
+    assert reply.answer is not None
+    assert (reply.answer.model, reply.answer.input, reply.answer.output) == ("luna-?", 0, 0)
 
 
 @pytest.mark.parametrize(
