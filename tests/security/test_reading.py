@@ -118,7 +118,7 @@ def test_the_studio_listens_on_this_machine_alone() -> None:
         assert listening.getsockname()[0] == "127.0.0.1"
     options = {option.name for option in studio.command.params}
     known = {"game", "port", "slots", "variant", "agents", "allow_code", "browser"}
-    assert options == known  # none names a host
+    assert options == known | {"parallel", "budget", "calls"}  # none names a host
 
 
 def test_a_name_that_no_page_can_show_is_refused(
