@@ -204,7 +204,7 @@ def test_roles_come_in_two_wordings() -> None:
     cross_play(matrix_game(), slots=[asked, "stay"], episodes=4)
     assert len(systems) == 2
     with pytest.raises(
-        ModelError, match="there is no role `defecter`, .*; did you mean `defector`"
+        ModelError, match=r"there is no role `defecter`, .*; did you mean `defector`"
     ):
         cross_play(matrix_game(), slots=[FAKE.as_role("defecter"), "stay"], episodes=1)
 
