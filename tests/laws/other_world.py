@@ -107,7 +107,7 @@ def _renamed(plane: Plane, s: Symmetry) -> str:
     name, entry = plane.name, None if plane.observable is None else plane.observable.word
     if plane.agent is not None:
         name = name.replace(f"[{plane.agent}]", f"[{s.order[plane.agent]}]", 1)
-    if entry is not None and entry.level.kind == "agent":
+    if entry is not None and entry.index_set.kind == "agent":
         name = f"{name.removesuffix(f'[{entry.key}]')}[{s.order[entry.place]}]"
     return name
 
