@@ -135,7 +135,7 @@ class Account:
     def check_server_name(self, name: str, reply: Reply) -> None:
         """Raises ModelError if the server of a model calls it otherwise than before."""
         answer = reply.answer or Answer("")
-        if not answer.model:  # nobody's, or what came wasn't an answer of the model
+        if not answer.model:  # no server was asked, or what it sent names no model
             return
         known = self.server_names.setdefault(name, answer.model)
         if known != answer.model:

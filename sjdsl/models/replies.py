@@ -66,7 +66,7 @@ def _wrong_action(action: Any, message: Message) -> str:
 
 
 def whole_characters(text: str) -> str:
-    """Returns a text with `?` for halves of characters, which no file can hold."""
+    """Returns a text with `?` for lone surrogates, halves of characters that UTF-8 can't hold."""
     return text.encode(errors="replace").decode()
 
 

@@ -59,7 +59,8 @@ def told_messages(
       agents: those whose messages are wanted; what they are told of the game comes first.
 
     Raises:
-      RecordingError: a player is no model of a file, or none of these agents was asked. ModelError: messages differ from the recorded.
+      RecordingError: a player is no model of a file, or no model played these agents.
+      ModelError: messages differ from the recorded.
     """
     folder, episode = calls
     env: Any = player.env
@@ -67,8 +68,8 @@ def told_messages(
     talks = {agent: read_talks(path) for agent, path in paths.items() if path.exists()}
     if talks.keys().isdisjoint(agents):
         raise RecordingError(
-            f"nobody was asked as agent {', '.join(map(str, agents))}; "
-            f"agents that were: {', '.join(map(str, talks)) or 'none'}"
+            f"no model played agent {', '.join(map(str, agents))}; "
+            f"models played {', '.join(map(str, talks)) or 'none'}"
         )
     hosts = {agent: _model(recording, agent) for agent in talks}
     told: list[str] = []  # since the last step

@@ -69,7 +69,7 @@ def test_episodes_of_an_experiment_are_replayed(folder: Path, sjdsl: Sjdsl) -> N
     assert told.count("YOUR LAST REWARD") == 3
     assert "has 3 finished ones" in sjdsl(*replay, "--episode", "3").text
     silent = sjdsl(*replay, "--messages", "--agent", "1")
-    assert "nobody was asked as agent 1; agents that were: 0" in silent.err
+    assert "no model played agent 1; models played 0" in silent.err
 
 
 def test_an_odd_answer_does_not_stop_an_experiment(

@@ -226,7 +226,7 @@ def test_values_follow_the_rewards_of_each_agent() -> None:
     ended = jnp.ones((3, 4), bool)
     rollout = Rollout(
         observation=jnp.zeros((3, 4, 2, 1, 1), jnp.uint8),
-        beside=None,
+        for_critic=None,
         fresh=ended,
         action=jnp.zeros((3, 4, 2), jnp.int32),
         reward=0 * reward,

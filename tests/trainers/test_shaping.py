@@ -246,7 +246,7 @@ def player(
         act,
         pack=lambda observation: observation,
         follow=lambda *_: (),
-        beside=lambda _, recent: recent,
+        for_critic=lambda _, recent: recent,
         horizons=horizons,
     )
     play = jax.jit(partial(collect_rollout, env, actor, num_steps=num_steps, shaping=shaping))
@@ -289,7 +289,7 @@ def test_critics_may_read_averages_of_what_was_learnt_from() -> None:
     for env in range(8):
         average = np.zeros(2)  # over 1 step and over 4, the same for both agents
         for step in range(18):
-            np.testing.assert_allclose(rollout.beside[step, env], [average, average], rtol=1e-6)
+            np.testing.assert_allclose(rollout.for_critic[step, env], [average, average], rtol=1e-6)
             average = np.array([1.0, 0.75 * average[1] + 0.25])
             if rollout.done[step, env]:
                 average = np.zeros(2)
@@ -339,5 +339,5 @@ def test_traces_are_in_checkpoints(tmp_path: Path) -> None:
     assert np.asarray(restored.trace[:, 0] > 0).any()
     on, again = (play(state, jax.random.key(2))[1] for state in (between, restored))
     np.testing.assert_array_equal(on.shaped_reward, again.shaped_reward)
-    np.testing.assert_array_equal(on.beside, again.beside)
-    assert np.asarray(on.beside[0, :, 0] != 0).any()
+    np.testing.assert_array_equal(on.for_critic, again.for_critic)
+    assert np.asarray(on.for_critic[0, :, 0] != 0).any()

@@ -135,7 +135,7 @@ def test_what_an_agent_does_comes_from_its_teams_network(changes: dict[str, Any]
     recent = jnp.linspace(-1, 1, 2 * 4 * 3 * 2).reshape(2, 4, 3, 2)
 
     def joint_of(agents: np.ndarray) -> jax.Array | None:
-        """Returns what the critic of some agents reads beside their windows."""
+        """Returns what the critic of some agents reads besides their windows."""
         if "reward_horizons" in changes:
             return jnp.arcsinh(10 * recent[:, :, agents])
         return seen.reshape(2, 4, 3, 1, 1) if changes.get("algorithm") == "mappo" else None

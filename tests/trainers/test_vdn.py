@@ -217,7 +217,7 @@ def test_targets_of_rollouts_equal_their_recursion() -> None:
 
     rollout = Rollout(
         observation=jnp.zeros((steps, envs, 1, 1), jnp.uint8),
-        beside=None,
+        for_critic=None,
         fresh=jnp.zeros((steps, envs), bool),
         action=jnp.zeros((steps, envs, 1), jnp.int32),
         reward=jnp.zeros((steps, envs, 1)),

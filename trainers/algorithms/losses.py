@@ -29,7 +29,7 @@ class Batch:
     """
 
     observation: Array  # [L, M, N, bytes] uint8, packed; in a minibatch [L, m, S, P, V, V]
-    # [L, M, ...] what critics read beside windows; in a minibatch as networks read it, [L, m, ...]
+    # [L, M, ...] what critics read besides windows; in a minibatch as networks read it, [L, m, ...]
     joint: Any
     fresh: Array  # [L, M] bool
     # [M, G, ...] before the first of the L steps; `last`, what agents read of their last steps, has

@@ -147,9 +147,9 @@ def make_ppo(env: Environment, config: PPOConfig, partners: Partners) -> Train:
         learner: Any, worlds: Worlds, rollout: Rollout, memory: Memory, key: Array
     ) -> Any:
         """Returns the learner, its losses, and values `[L, M, N]` with their targets."""
-        beside = networks.beside(worlds.state, worlds.recent)
+        for_critic = networks.for_critic(worlds.state, worlds.recent)
         _, _, last_value = _forward(
-            networks, learner.params, worlds.memory, worlds.observation, beside, worlds.fresh
+            networks, learner.params, worlds.memory, worlds.observation, for_critic, worlds.fresh
         )
         batch = make_batch(rollout, memory, last_value, config)
         learner, losses = learn_teams(learner, batch, key, networks, config)
@@ -191,9 +191,9 @@ def make_actor(
 
     def act(worlds: Worlds, key: Array) -> tuple[Memory, Array, Acting]:
         """Returns the memory afterwards, drawn actions `[B, N]`, and what learning needs of them."""
-        beside = networks.beside(worlds.state, worlds.recent)
+        for_critic = networks.for_critic(worlds.state, worlds.recent)
         memory, logits, value = _forward(
-            networks, parameters, worlds.memory, worlds.observation, beside, worlds.fresh
+            networks, parameters, worlds.memory, worlds.observation, for_critic, worlds.fresh
         )
         if preferences is not None:
             logits = logits + preferences[:, None]
@@ -217,8 +217,8 @@ def make_actor(
             """Returns the values `[B, N]` of terminal observations."""
             fresh = jnp.zeros_like(info["truncated"])
             observation = info["terminal_observation"]
-            beside = networks.beside(info.get("terminal_state"), recent)
-            _, _, values = _forward(networks, parameters, memory, observation, beside, fresh)
+            for_critic = networks.for_critic(info.get("terminal_state"), recent)
+            _, _, values = _forward(networks, parameters, memory, observation, for_critic, fresh)
             return values
 
         return if_any_truncated(info, terminal_values)
@@ -228,7 +228,7 @@ def make_actor(
         networks.packing.pack,
         follow,
         networks.after_step,
-        networks.beside,
+        networks.for_critic,
         networks.network.config.reward_horizons,
     )
 
@@ -256,12 +256,14 @@ def _forward(
     parameters: Any,
     memory: Memory,
     observation: Array,
-    beside: Any,
+    for_critic: Any,
     fresh: Array,
 ) -> tuple[Memory, Array, Array]:
     """Returns the memory afterwards, logits `[B, N, A]` and values `[B, N]` of one step."""
-    observation, beside, fresh = jax.tree.map(lambda leaf: leaf[None], (observation, beside, fresh))
-    joint = networks.joint(observation, beside)
+    observation, for_critic, fresh = jax.tree.map(
+        lambda leaf: leaf[None], (observation, for_critic, fresh)
+    )
+    joint = networks.joint(observation, for_critic)
     memory, logits, value = networks.apply(parameters, memory, observation, joint, fresh)
     return memory, logits[0], value[0]
 
@@ -288,7 +290,7 @@ def make_batch(rollout: Rollout, memory: Memory, last_value: Array, config: PPOC
     )
     steps = {
         "observation": rollout.observation,
-        "joint": rollout.beside,
+        "joint": rollout.for_critic,
         "fresh": rollout.fresh,
         "action": rollout.action,
         "log_probability": acting.log_probability,
@@ -380,9 +382,9 @@ def take_minibatch(batch: Batch, indices: Array, agents: Array, networks: ActorC
     of_agents = {name: jax.tree.map(of_team, getattr(batch, name)) for name in OF_AGENTS}
     of_agents["observation"] = networks.packing.unpack(of_agents["observation"])
     of_critics = of_team if networks.reads_rewards else of_sequences
-    beside = jax.tree.map(of_critics, batch.joint)
+    for_critic = jax.tree.map(of_critics, batch.joint)
     return Batch(
-        joint=networks.joint(all_windows, beside),
+        joint=networks.joint(all_windows, for_critic),
         fresh=of_sequences(batch.fresh),
         memory=jax.tree.map(lambda leaf: leaf[indices], batch.memory),
         preferences=jax.tree.map(of_sequences, batch.preferences),

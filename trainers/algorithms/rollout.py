@@ -45,7 +45,7 @@ class Rollout:
     """T steps to learn from."""
 
     observation: Array  # [T, B, N, bytes] uint8, acted on, packed
-    beside: Any  # [T, B, ...] what critics read beside windows; None if nothing
+    for_critic: Any  # [T, B, ...] what critics read besides windows; None if nothing
     fresh: Array  # [T, B] bool, the episode began with this step
     action: Array  # [T, B, N] int32
     reward: Array  # [T, B, N] float32, raw
@@ -66,7 +66,7 @@ class Actor:
       `Worlds.recent`, of the episode that the step was in.
     after_step: `(memory, action [B, N], reward [B, N], info) -> memory` after the step, before
       `follow`.
-    beside: `(state, recent) -> what critics read beside windows`, which the rollout keeps.
+    for_critic: `(state, recent) -> what critics read besides windows`, which the rollout keeps.
     horizons: of the averages of recent rewards, in steps.
     """
 
@@ -74,7 +74,7 @@ class Actor:
     pack: Callable[[Array], Array]
     follow: Callable[[Any, dict[str, Any], Array], Any]
     after_step: Callable[[Any, Array, Array, Mapping[str, Any]], Any] = unchanged
-    beside: Callable[[Any, Array], Any] = lambda *_: None
+    for_critic: Callable[[Any, Array], Any] = lambda *_: None
     horizons: Sequence[float] = ()
 
 
@@ -195,7 +195,7 @@ def collect_rollout(
         sums, finished = split_finished(add_step(worlds.sums, reward, shaped_reward, info), done)
         played = Rollout(
             observation=actor.pack(worlds.observation),
-            beside=actor.beside(worlds.state, worlds.recent),
+            for_critic=actor.for_critic(worlds.state, worlds.recent),
             fresh=worlds.fresh,
             action=action,
             reward=reward,

@@ -18,7 +18,8 @@ from .packing import Packing, make_packing
 from .teams import make_teams, over_teams
 
 AGENTS_AXIS = 2  # of observations, logits and values `[L, M, N, ...]`
-# Critics read averages of rewards in this unit: below it in proportion, above it by their logarithm.
+# Critics read averages of rewards in this unit, nearly as they are below it, and above it as their
+# logarithm.
 REWARD_UNIT = 0.1
 
 
@@ -28,7 +29,7 @@ class ActorCritics:
 
     teams: np.ndarray  # [G, S] int32, numbers of agents
     network: ActorCritic
-    # zeros [1, 1, ...] in place of what critics read beside windows; None: nothing
+    # zeros [1, 1, ...] in place of what critics read besides windows; None: nothing
     blank_joint: Array | None
     # of one state `[K]` float32, if that is the critic's input
     state_vector: Callable[[Any], Array] | None
@@ -79,14 +80,14 @@ class ActorCritics:
         of_teams = {name: leaf[:, self.teams[:, None]] for name, leaf in last.items()}
         return memory | {"last": of_teams}
 
-    def beside(self, state: Any, recent: Array) -> Any:
-        """Returns what critics read beside windows: states or recent rewards `[B, ...]`, or None."""
+    def for_critic(self, state: Any, recent: Array) -> Any:
+        """Returns what critics read besides windows: states, recent rewards or None."""
         if self.state_vector is not None:
             return state
         return recent if self.reads_rewards else None
 
-    def joint(self, observation: Array, beside: Any) -> Array | None:
-        """Returns the input of critics beside an agent's own window `[L, M, ...]`, or None.
+    def joint(self, observation: Array, for_critic: Any) -> Array | None:
+        """Returns the input of critics besides an agent's own window `[L, M, ...]`, or None.
 
         It is all windows `[L, M, N, P, V, V]`, plane after plane; or states `[L, M, ...]` as
         vectors; or the averages of each agent's recent rewards `[L, M, N, K]`, by a function that
@@ -95,9 +96,9 @@ class ActorCritics:
         if self.blank_joint is None:
             return None
         if self.state_vector is not None:
-            return jax.vmap(jax.vmap(self.state_vector))(beside)
+            return jax.vmap(jax.vmap(self.state_vector))(for_critic)
         if self.reads_rewards:
-            return jnp.arcsinh(beside / REWARD_UNIT)
+            return jnp.arcsinh(for_critic / REWARD_UNIT)
         return observation.reshape(*observation.shape[:2], *self.blank_joint.shape[2:])
 
     def apply(

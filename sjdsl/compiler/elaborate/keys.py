@@ -100,7 +100,7 @@ def key_of(tree: ast.Expr, row: ir.Expr | str, index_set: IndexSet, scope: Scope
 
 
 def entries_of(tree: Tree, index_set: IndexSet, scope: Scope) -> list[Tree]:
-    """Returns what is written for each entry of an index set, with ranges and `otherwise` spelt out.
+    """Returns what is written for each entry, with ranges and `otherwise` spelt out.
 
     param taste by agent : reward = { 0: 2, 1 .. 3: 1, otherwise: 0 }   ->   the value of each agent
 

@@ -222,7 +222,7 @@ def aligned(value: Value, axes: Axes, row_dims: int = 0) -> Expression:
 
 
 def row_aligned(row: Value, axes: Axes) -> Expression:
-    """Returns a row with an axis of length 1 for each of `axes` that it lacks, its own dimensions last."""
+    """Returns a row with an axis of length 1 for each of `axes` that it lacks, its entries last."""
     return row.node if row.axes == axes else Index(row.node, _keys(row, axes))
 
 

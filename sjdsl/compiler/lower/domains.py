@@ -93,7 +93,7 @@ def is_empty(d: ir.Domain, w: Writer) -> bool:
 
 
 def agents_in_sets(sets: Value, axis: Axis) -> Value:
-    """Returns whether each agent is in sets that are kept as bits, along a new last axis of agents."""
+    """Returns whether each agent is in sets kept as bits, along a new last axis of agents."""
     assert all(axis.order > other.order for other in sets.axes)
     kernel = "unpack" if sets.row_dims else "from_bits"
     return Value(call(kernel, sets.node, axis.extent), "bool", (*sets.axes, axis))

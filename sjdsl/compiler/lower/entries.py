@@ -1,8 +1,8 @@
 """Lowers entries of rows and tables, such as `a.trust[b]`.
 
 The array of a value has a dimension for each of its axes (what it differs along, such as each
-agent), then one for each index set of the row (agents, words or numbers). If a and b are both each agent
-once, in order, `a.trust[b]` is the stored table itself: its dimension becomes the axis of b.
+agent), then one for each index set of the row (agents, words or numbers). If a and b are both each
+agent once, in order, `a.trust[b]` is the stored table itself: its dimension becomes the axis of b.
 """
 
 from dataclasses import replace
@@ -63,7 +63,7 @@ def entry(e: ir.At, scope: IterationScope, w: Writer) -> Value:
 def row_key(e: ir.Expr, index_set: IndexSet, scope: IterationScope, w: Writer) -> Value:
     """Returns the place of a key's entry in a row, from 0.
 
-    index_set: what the entries are numbered by: enum values, whole numbers from `first` on, or agents.
+    index_set: of the row: words, whole numbers from `first` on, or agents.
     """
     if isinstance(e, ir.Word) and index_set.kind != "word":
         return literal(index_set.place_of(e.value), "i32")
@@ -84,7 +84,7 @@ def whole_axis(key: ir.Expr, scope: IterationScope) -> Axis | None:
 
 
 def unrolled(row: Value, along: Axis) -> Value:
-    """Returns a row as values along an axis, one for each entry: its first dimension becomes the axis."""
+    """Returns a row as values along an axis, one for each entry: its first dimension."""
     axes = union(row.axes, (along,))
     place = axes.index(along)
     entry_dimension = len(row.axes)
