@@ -238,14 +238,15 @@ def _gradients_of(
 
 
 @pytest.mark.parametrize("axes", [(0, 0), (0, None), (None, 0)])
-def test_convolutions_of_several_networks(axes: tuple[int | None, int | None]) -> None:
+@pytest.mark.parametrize("side", [1, 3])
+def test_convolutions_of_several_networks(side: int, axes: tuple[int | None, int | None]) -> None:
     """Values and gradients under `vmap` are those of flax's."""
-    reference = nn.Conv(4, (3, 3), use_bias=False)
+    reference = nn.Conv(4, (side, side), use_bias=False)
 
     @partial(jax.jit, compiler_options=FAST_TO_COMPILE)
     def both(key: jax.Array) -> tuple[Any, Any]:
         keys = jax.random.split(key, 3)
-        shapes = (2, 5, 5, 2), (3, 3, 2, 4)
+        shapes = (2, 5, 5, 2), (side, side, 2, 4)
         stacked = (
             (3, *shape) if axis == 0 else shape for shape, axis in zip(shapes, axes, strict=True)
         )

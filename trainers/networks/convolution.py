@@ -16,7 +16,6 @@ from jax import Array
 from .kernel_by_kernel import kernel_by_kernel
 
 
-@jax.custom_vjp
 def convolve(features: Array, kernel: Array) -> Array:
     """Returns features under a kernel, padded to the same size: `[M, H, W, D]`.
 
@@ -24,6 +23,13 @@ def convolve(features: Array, kernel: Array) -> Array:
       features: `[M, H, W, C]`.
       kernel: `[K, K, C, D]`, K odd.
     """
+    if kernel.shape[0] == 1:
+        return features @ kernel[0, 0]  # on a CPU, it takes a sixth of a convolution's time
+    return _convolve(features, kernel)
+
+
+@jax.custom_vjp
+def _convolve(features: Array, kernel: Array) -> Array:
     plain = partial(_plain, padding=kernel.shape[0] // 2)
     result: Array = jax.lax.platform_dependent(
         features, kernel, cpu=kernel_by_kernel(plain), default=plain
@@ -43,7 +49,7 @@ def _plain(features: Array, kernel: Array, padding: int) -> Array:
 
 
 def _forward(features: Array, kernel: Array) -> tuple[Array, tuple[Array, Array]]:
-    return convolve(features, kernel), (features, kernel)
+    return _convolve(features, kernel), (features, kernel)
 
 
 def _backward(inputs: tuple[Array, Array], gradient: Array) -> tuple[Array, Array]:
@@ -71,4 +77,4 @@ def _gradients_as_convolutions(
     return of_features, of_kernel.transpose(1, 2, 0, 3)
 
 
-convolve.defvjp(_forward, _backward)
+_convolve.defvjp(_forward, _backward)
